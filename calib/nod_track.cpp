@@ -13,10 +13,10 @@
 namespace gdtslam::calib {
 namespace {
 
-// Knots nearer than half a turn have one short way between them; a quarter leaves room.
+// Knots less than half a turn apart are unambiguous; a quarter leaves a margin.
 constexpr double kMostTurnsBetweenKnots = 0.25;
 
-// An elevation as turns: those of ElevationTable::identity().
+// An elevation in turns of ElevationTable::identity().
 double turns_of_elevation(double elevation_rad) { return (elevation_rad + kPi) / kTwoPi; }
 
 }  // namespace
@@ -27,8 +27,8 @@ NodTrack::NodTrack(const CrankEncoder& encoder, const NodTrackLimits& limits)
 NodTrack::NodTrack(const NodTrackLimits& limits) : limits_(limits), is_crank_(false) { encoder_.wraps = true; }
 
 void NodTrack::take(const Encoder& message) {
-  // Behind an index mark only the place within the turn counts, whatever the counter does with the turns. Without one
-  // it counts from the first message's place within the turn: a count far from zero would cost digits.
+  // With an index mark only the position within the turn counts, whatever the counter does with the turns. Without one
+  // it counts from the first message's position within the turn: a count far from zero would cost digits.
   if (!first_ticks_ || encoder_.wraps) first_ticks_ = message.ticks;
   const auto since_first = static_cast<std::uint64_t>(message.ticks) - static_cast<std::uint64_t>(*first_ticks_);
   const double ticks = static_cast<double>(*first_ticks_ % encoder_.ticks_per_turn) +
@@ -90,7 +90,7 @@ bool NodTrack::joins_last(double stamp_s, double turned) {
     faults_.gaps.add(stamp_s);
     return false;
   }
-  // One tick may fall between two messages however close they are.
+  // One tick may occur between two messages, however close they are.
   if (std::fabs(turned) > limits_.max_turns_per_s * elapsed_s + resolution_) {
     faults_.jumps.add(stamp_s);
     return false;
@@ -112,7 +112,7 @@ double NodTrack::turns_at(std::size_t before, double stamp_s) const {
 }
 
 std::vector<PhaseKnot> NodTrack::knots(double stamp_s, double from_s, double to_s) const {
-  // Written so that a time that is not a number is covered by nothing.
+  // Written so that a time that is not a number is never covered.
   if (messages_.empty() ||
       !(from_s >= messages_.front().stamp_s && from_s <= to_s && to_s <= messages_.back().stamp_s)) {
     return {};
@@ -147,7 +147,7 @@ std::vector<PhaseKnot> NodTrack::knots(double stamp_s, double from_s, double to_
 }
 
 void NodTrack::forget_before(double stamp_s) {
-  // The last message at or before that time still bounds what comes after it.
+  // The last message at or before that time still bounds the range after it.
   while (messages_.size() >= 2 && messages_[1].stamp_s <= stamp_s) messages_.pop_front();
 }
 

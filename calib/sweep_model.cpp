@@ -14,8 +14,8 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr std::uint32_t kTableBits = 15;
-// The rate of a scanner with the paper's 961 beams of 0.25 deg and 20 m; the paper states none. The simulator's
-// hokuyo-961 has it.
+// Rate of a scanner with the paper's 961 beams of 0.25 deg and 20 m, as in the simulator's hokuyo-961; the paper states
+// none.
 constexpr double kPaperMirrorRate_hz = 40.0;
 
 // The same angle in [-pi, pi): an elevation of half a turn counts as looking back from below.
@@ -24,8 +24,8 @@ double wrap_elevation(double angle_rad) {
   return wrapped_rad >= kPi ? -kPi : wrapped_rad;
 }
 
-// Makes the elevations continuous, then shifts them by whole turns so that the middle of their range lies in [-pi, pi):
-// neighbours can be interpolated and even a rocker that turns fully stays within 2 pi.
+// Makes the elevations continuous, then shifts them by whole turns so that the middle of their range is in [-pi, pi).
+// Then neighbours can be interpolated, and even a fully turning rocker stays within 2 pi.
 void unwrap(std::vector<double>& elevations_rad) {
   for (std::size_t i = 1; i < elevations_rad.size(); ++i) {
     elevations_rad[i] = elevations_rad[i - 1] + wrap_angle(elevations_rad[i] - elevations_rad[i - 1]);
@@ -36,15 +36,15 @@ void unwrap(std::vector<double>& elevations_rad) {
   for (double& elevation_rad : elevations_rad) elevation_rad -= shift_rad;
 }
 
-// How far the table's line between two entries lies from the closed form at most: an eighth of the largest second
-// difference, which is that of a parabola, and the rounding of the entries to float32 on a device.
+// Largest error of linear interpolation in the table: an eighth of the largest second difference (that of a parabola),
+// plus the rounding of the entries to float32 on a device.
 double table_error_rad(const std::vector<double>& values_rad) {
-  constexpr double kMargin = 1.02;  // the second differences are taken at the entries only
+  constexpr double kMargin = 1.02;  // second differences are taken only at the entries
   const double float_unit = std::ldexp(1.0, -24);
   double bend_rad = 0.0;
   double largest_rad = 0.0;
   for (std::size_t i = 0; i + 1 < values_rad.size(); ++i) {
-    // The table is periodic but for whole turns; the entry before the first is the last but one.
+    // The table is periodic up to whole turns; the entry before the first is the last but one.
     const double before_rad = i > 0 ? values_rad[i] - values_rad[i - 1]
                                     : values_rad[values_rad.size() - 1] - values_rad[values_rad.size() - 2];
     bend_rad = std::max(bend_rad, std::fabs((values_rad[i + 1] - values_rad[i]) - before_rad));
@@ -61,7 +61,7 @@ double steepest_step_rad(const std::vector<double>& values_rad) {
   return step_rad;
 }
 
-// The broken inequality where there is one, else where the loop opens.
+// The violated inequality if there is one, else where the loop opens.
 std::string does_not_turn_fully(const SweepModel& model, double crank_rad) {
   const std::string whose = model.name.empty() ? std::string() : "linkage '" + model.name + "': ";
   try {
@@ -192,7 +192,7 @@ double quantisation_bound_m(const SweepModel& model, double range_m, double rang
   const ElevationTable table = elevation_table(model, kTableBits);
   const double steps = static_cast<double>(table.values_rad().size() - 1);
   const double ticks_in_steps = steps / static_cast<double>(model.encoder.ticks_per_turn);
-  // The table is linear between its entries, so a tick moves it by its steepest step's share at most.
+  // The table is linear between its entries, so a tick changes it at most by its share of the steepest step.
   const double elevation_error_rad =
       steepest_step_rad(table.values_rad()) * ticks_in_steps + table_error_rad(table.values_rad());
   const double lever_m = std::sqrt(model.mount.lever_forward_m * model.mount.lever_forward_m +
@@ -206,7 +206,7 @@ Faults validate(const SweepModel& model) {
   const std::array<std::pair<const char*, double>, 4> lengths{
       {{"crank", bars.crank_m}, {"coupler", bars.coupler_m}, {"rocker", bars.rocker_m}, {"ground", bars.ground_m}}};
   for (const auto& [name, length_m] : lengths) check_bar(name, length_m, faults);
-  // A loop of lengths in two units does not close either; the unit is what to mend.
+  // A loop with lengths in two units does not close either; then the unit must be corrected.
   if (faults.empty()) {
     for (const std::string& violation : violations(bars)) faults.push_back("bars: " + violation);
   }

@@ -11,19 +11,19 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
+constexpr double kTightRoom_m = 0.0005;     // a smaller closing margin gets a remark
 constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
 constexpr int kFirstRounds = 2;
-constexpr double kNear = 100.0;             // share of the cost below which the other assembly is worth a whole fit
-constexpr double kMuchBetter = 0.5;         // share of the cost below which the other assembly is the right one
+constexpr double kNear = 100.0;             // below this share of the cost the other assembly gets a full fit
+constexpr double kMuchBetter = 0.5;         // below this share of the cost the other assembly is correct
 constexpr std::size_t kZeros = 144;         // 2.5 deg apart
-constexpr std::size_t kObservations = 200;  // a sample, spread evenly
+constexpr std::size_t kObservations = 200;  // an even sample
 constexpr double kMostMiss_m = 0.5;         // a larger one counts as this
-// A wall with things before it gives one outlier in ten; the wrong preset nine in ten.
+// Objects before a wall give one outlier in ten; a wrong preset nine in ten.
 constexpr double kMostOutliers = 1.0 / 3.0;
 constexpr double kMostRms = 3.0;  // limit for all ranges if a bar was stopped by its bound
 
-/// A start with what came of it.
+/// A start with its result.
 struct Attempt {
   Setup start;
   std::vector<Parameter> parameters;
@@ -104,8 +104,8 @@ double mean_assigned_miss_m(const Setup& setup, const std::vector<RangeObservati
   return count > 0 ? sum / static_cast<double>(count) : kInfinity;
 }
 
-// The same bars assembled the other way, so that the elevation covers the same range: its course over a turn is that of
-// the start run backwards. psi of the crossed assembly at phi is -psi of the open one at -phi.
+// The same bars in the other assembly with the same range of elevations: its course over a turn is the start's in
+// reverse. psi of the crossed assembly at phi is -psi of the open one at -phi.
 SweepModel other_assembly(const SweepModel& model) {
   SweepModel other = model;
   other.assembly = model.assembly == Assembly::kOpen ? Assembly::kCrossed : Assembly::kOpen;
@@ -113,8 +113,8 @@ SweepModel other_assembly(const SweepModel& model) {
   return other;
 }
 
-// The model with the encoder's zero that makes the observations miss their surfaces least, for a start whose zero is
-// not known. O(crank angles x observations).
+// For a start with an unknown zero: the model with the encoder's zero that minimises the misses. O(crank angles x
+// observations).
 SweepModel best_zero(const Setup& setup, const SweepModel& model, const std::vector<RangeObservation>& observations,
                      const CalibrationOptions& options) {
   Setup trial{model, setup.surfaces};
@@ -132,7 +132,7 @@ SweepModel best_zero(const Setup& setup, const SweepModel& model, const std::vec
   return best;
 }
 
-// The other assembly, fitted to the end only where it comes near; nothing where no range lies within the elevations.
+// The other assembly, fitted completely only if it is near; empty if no range is within the elevations.
 std::optional<Attempt> other_attempt(const Attempt& best, const std::vector<RangeObservation>& observations,
                                      const CalibrationOptions& options) {
   const Setup turned{best_zero(best.start, other_assembly(best.start.model), observations, options),

@@ -1,8 +1,8 @@
-// The miss of one range to a known kind of surface: equation (A1) of the paper as docs/paper.md has it, for any flat
-// surface and any beam, with every derivative. A forward beam raised by theta meets a wall at the distance d if r
-// cos(theta) + a cos(theta) - b sin(theta) = d, with the lever a forward and b up. The left side minus the right one is
-// the miss. It is defined through 90 degrees, unlike the range itself. SI units, radians, frame `level` of
-// core/nodding.hpp moved to the nodding axis. Thread-safe, constant time.
+// Residual of one range to a surface of known kind: equation (A1) of the paper, as in docs/paper.md, for any flat
+// surface and any beam, with every derivative. A forward beam raised by theta meets a wall at distance d if r
+// cos(theta) + a cos(theta) - b sin(theta) = d, with the lever a forward and b up. The miss is the left side minus the
+// right one. Unlike the range, it is defined through 90 degrees. SI units, radians, frame `level` of core/nodding.hpp
+// moved to the nodding axis. Thread-safe, constant time.
 #pragma once
 
 #include <optional>
@@ -11,8 +11,7 @@
 
 namespace gdtslam::calib {
 
-/// The miss of an observation and its derivatives by every parameter that a calibration may estimate (or has to
-/// assume).
+/// The miss of an observation and its derivatives by every parameter that a calibration estimates or assumes.
 struct SurfaceMiss {
   double miss_m = 0.0;     ///< distance of the measured point beyond the surface, along the normal
   double incidence = 0.0;  ///< cosine of the angle between beam and normal: d miss / d range
@@ -25,7 +24,7 @@ struct SurfaceMiss {
   double elevation_by_ground = 0.0;
   double elevation_by_zero = 0.0;
   double elevation_by_offset = 1.0;
-  // Derivatives of the miss; those by bars, zero and offset come through the elevation.
+  // Derivatives of the miss; those by bars, zero and offset follow through the elevation.
   double by_elevation = 0.0;
   double by_lever_forward = 0.0;
   double by_lever_up = 0.0;
@@ -40,7 +39,7 @@ struct SurfaceMiss {
 std::optional<SurfaceMiss> surface_miss(const SweepModel& model, const CalibrationSurface& surface,
                                         const RangeObservation& observation);
 
-/// The range at which a beam of this elevation meets the surface; nothing when it leads away from it.
+/// The range at which a beam of this elevation meets the surface; empty if the beam points away from it.
 std::optional<double> surface_range_m(const NoddingMount& mount, const CalibrationSurface& surface,
                                       double elevation_rad, double bearing_rad);
 
@@ -48,8 +47,9 @@ std::optional<double> surface_range_m(const NoddingMount& mount, const Calibrati
 double surface_incidence(const NoddingMount& mount, const CalibrationSurface& surface, double elevation_rad,
                          double bearing_rad);
 
-/// The elevation that the range itself tells, whatever the linkage: of the two that fit (a wall looks the same above
-/// and below), the one closer to `near_rad`. A range too short for the surface gives the elevation of the shortest one.
+/// The elevation that follows from the range without the linkage. Of the two solutions (a wall looks the same above and
+/// below) it is the one closer to `near_rad`. A range too short for the surface gives the elevation of the shortest
+/// one.
 double measured_elevation_rad(const NoddingMount& mount, const CalibrationSurface& surface,
                               const RangeObservation& observation, double near_rad);
 

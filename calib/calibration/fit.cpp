@@ -21,13 +21,13 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kLeastIncidence = 0.05;  // a beam flatter than 3 degrees on the surface counts as one of 3 degrees
-constexpr int kWeighings = 6;         // then an observation at the limit of the elevations could come and go for ever
+constexpr double kLeastIncidence = 0.05;  // beams flatter than 3 degrees on the surface count as 3 degrees
+constexpr int kWeighings = 6;         // limit, because an observation at the elevation limit could alternate for ever
 constexpr double kSettled = 1e-5;     // relative to a step of 1: one prior's sigma
 constexpr double kBoundSlack = 1e-9;  // share of a bound
 constexpr std::size_t kSparePerParameter = 2;
 
-/// The setup at the parameters in hand, made once for all misses.
+/// The setup at the current parameters, computed once for all misses.
 class SetupInHand final : public ceres::EvaluationCallback {
  public:
   SetupInHand(const Setup& start, std::span<const Parameter> parameters) : start_(start), parameters_(parameters) {}
@@ -55,7 +55,7 @@ class MissCost final : public ceres::CostFunction {
     set_num_residuals(1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters.size()));
   }
-  // False where the loop does not close all around: the solver takes a smaller step.
+  // False if the loop does not close all around: the solver takes a smaller step.
   bool Evaluate(double const* const* /*x*/, double* residual, double** jacobian) const override {
     if (!in_hand_.closes) return false;
     const RangeObservation& seen = observation_.observation;
@@ -76,7 +76,7 @@ class MissCost final : public ceres::CostFunction {
   const WeightedObservation& observation_;
 };
 
-/// How far the parameters are from what is believed beforehand, in standard deviations.
+/// Deviation of the parameters from their priors, in standard deviations.
 class PriorCost final : public ceres::CostFunction {
  public:
   explicit PriorCost(std::span<const Parameter> parameters) : parameters_(parameters) {
@@ -99,7 +99,7 @@ class PriorCost final : public ceres::CostFunction {
   std::span<const Parameter> parameters_;
 };
 
-// Selects the observations within the elevations asked for, judged by the measured ranges, with their weights.
+// Selects the observations within the elevation limit, judged by the measured ranges, with their weights.
 std::vector<WeightedObservation> weigh(const Setup& setup, std::span<const RangeObservation> observations,
                                        const CalibrationOptions& options) {
   std::vector<WeightedObservation> used;
@@ -126,7 +126,7 @@ void require_enough(std::size_t used, std::size_t given, std::size_t parameters,
                    std::to_string(needed) + "; let the crank stop more often, or check the start and the surfaces");
 }
 
-// 1.4826 times the median of the absolute values: their standard deviation where they are normal.
+// 1.4826 times the median of the absolute values: their standard deviation if they are normal.
 double robust_spread(std::vector<double> values) {
   for (double& value : values) value = std::fabs(value);
   return 1.4826 * upper_median(values);
@@ -145,7 +145,7 @@ ceres::Solver::Options solver_options() {
   return options;
 }
 
-/// Ends the solver before its next step where somebody wants no result any more.
+/// Ends the solver before its next step if the caller requests a stop.
 class StopAsked final : public ceres::IterationCallback {
  public:
   explicit StopAsked(const std::function<bool()>& stop) : stop_(stop) {}
@@ -161,8 +161,8 @@ class StopAsked final : public ceres::IterationCallback {
   const std::function<bool()>& stop_;
 };
 
-/// The fit with fixed weights. Bounds are kept by an active set: the solver's own projection onto a box creeps along
-/// a bound where the misses are as curved as here.
+/// The fit with fixed weights. An active set enforces the bounds: with misses as curved as here, the solver's own
+/// projection onto a box creeps along a bound.
 class WeightedFit {
  public:
   WeightedFit(const Setup& start, std::span<const Parameter> parameters, const std::vector<WeightedObservation>& used,
@@ -176,7 +176,7 @@ class WeightedFit {
     for (const WeightedObservation& observation : used) costs_.emplace_back(in_hand_, parameters, observation);
   }
 
-  /// Changes x, which lies within the bounds before and after.
+  /// Changes x, which stays within the bounds.
   void solve(std::vector<double>& x) {
     std::set<int> held;
     std::set<int> released;
@@ -236,7 +236,7 @@ class WeightedFit {
     return outside;
   }
 
-  /// The trial with what is outside put on its bound; on the way back to x where the loop does not close there.
+  /// The trial clamped to the bounds, or moved back towards x until the loop closes.
   [[nodiscard]] std::vector<double> moved_within(const std::vector<double>& trial, const std::vector<double>& x) const {
     for (double share = 1.0; share > kBoundSlack; share *= 0.5) {
       std::vector<double> within = x;
@@ -249,7 +249,7 @@ class WeightedFit {
     return x;
   }
 
-  /// One that is held at its bound although the cost falls towards the inside.
+  /// A parameter held at its bound although the cost falls towards the inside.
   std::optional<int> pulled_inside(std::vector<double>& x, const std::set<int>& held, const std::set<int>& released) {
     if (held.empty()) return std::nullopt;
     ceres::Problem problem(problem_options(x));
@@ -319,8 +319,8 @@ std::optional<Misses> misses_at(const Setup& setup, std::span<const WeightedObse
   return misses;
 }
 
-// The loss starts as wide as the misses are and narrows to what the options ask for: a start some degrees off has
-// misses of hundreds of sigmas, and a narrow loss would take them all for outliers.
+// The loss starts as wide as the misses and narrows to the requested width: a start some degrees off has misses of
+// hundreds of sigmas, and a narrow loss would treat all of them as outliers.
 Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<const RangeObservation> observations,
         const CalibrationOptions& options, int rounds) {
   Fit result;
@@ -340,7 +340,7 @@ Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<con
     result.converged = weighted.converged;
     result.reason = weighted.reason;
     if (largest_change(last, result.x) < kSettled) break;
-    result.converged = false;  // but for the next round
+    result.converged = false;  // except for the next round
     result.reason = "the parameters still move after " + std::to_string(round + 1) + " rounds of weighing";
   }
   const std::optional<Misses> after = misses_at(setup_at(start, parameters, result.x), result.used);

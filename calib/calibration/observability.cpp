@@ -8,10 +8,10 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr double kAtBound = 1e-6;  // share of the bound
-// A parameter with less than this (squared) of a combination that nothing holds is not moved by it.
+// A parameter with a smaller squared share of an undetermined combination does not move with it.
 constexpr double kLeastShare = 1e-12;
 
-// The derivative of the Huber loss: by how much an outlier counts less.
+// Derivative of the Huber loss: the weight of an outlier.
 double robust_weight(double miss, double huber_sigmas) {
   const double size = std::fabs(miss);
   return size <= huber_sigmas ? 1.0 : huber_sigmas / size;
@@ -54,11 +54,11 @@ Eigen::MatrixXd with_priors(const Eigen::MatrixXd& jacobian, std::span<const Par
   return stacked;
 }
 
-/// Singular values, right singular vectors and what they say of each parameter.
+/// Singular values, right singular vectors and the resulting sigmas of the parameters.
 struct Spectrum {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
-  Eigen::VectorXd sigma;  ///< infinite for who takes part in a direction that nothing holds
+  Eigen::VectorXd sigma;  ///< infinite for parameters in an undetermined direction
   Eigen::MatrixXd covariance;
 };
 

@@ -1,5 +1,5 @@
-// The unknowns of a calibration, each scaled by what is known of it beforehand, so that a step of 1 means as much for a
-// bar as for an angle. A vector of values x holds (parameter - start) / scale.
+// The unknowns of a calibration, each scaled by its prior sigma, so that a step of 1 means as much for a bar as for an
+// angle. A vector of values x holds (parameter - start) / scale.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +12,16 @@
 
 namespace gdtslam::calib {
 
-/// A belief about the scanner and its surroundings.
+/// Estimate of the scanner and its surroundings.
 struct Setup {
   SweepModel model;
   std::vector<CalibrationSurface> surfaces;
 };
 
-/// The quantity that moves when a parameter changes.
+/// The quantity that a parameter affects.
 enum class Effect : std::uint8_t { kElevation, kMiss, kMissOfItsSurface };
 
-/// Something that can be estimated: its value in a setup and its derivative.
+/// A parameter that can be estimated: its value in a setup and its derivative.
 struct ParameterKind {
   const char* name;
   double& (*value)(Setup& setup, std::size_t surface);
@@ -35,9 +35,9 @@ struct Parameter {
   std::string name;
   std::string unit;
   double start = 0.0;
-  double scale = 1.0;        ///< the prior's sigma, or its default where there is no prior
+  double scale = 1.0;        ///< the prior's sigma, or a default without a prior
   double prior_sigma = 0.0;  ///< 0: none
-  double bound = 0.0;        ///< limit of the change, either way
+  double bound = 0.0;        ///< limit of the change in either direction
   [[nodiscard]] double bound_scaled() const { return bound / scale; }
 };
 
@@ -45,9 +45,9 @@ std::vector<Parameter> make_parameters(const Setup& start, const CalibrationOpti
 Setup setup_at(const Setup& start, std::span<const Parameter> parameters, std::span<const double> x);
 /// d miss / d x.
 double derivative(const SurfaceMiss& miss, const Parameter& parameter, std::uint32_t observed_surface);
-/// d elevation / d x, of the beam that the miss belongs to.
+/// d elevation / d x, of the miss's beam.
 double elevation_derivative(const SurfaceMiss& miss, const Parameter& parameter);
-/// By how much the loop closes all around, metres: the bars' room at the worst crank angle. Below 0 it does not.
+/// Margin in metres by which the loop closes at the worst crank angle; below 0 it does not close all around.
 double closing_room_m(const FourBar& bars);
 
 }  // namespace gdtslam::calib

@@ -15,18 +15,18 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr double kDifference = 0.002;   // step of a scaled parameter: 6 micrometres of a bar, 0.004 deg of the zero
-constexpr double kSettledShift = 0.05;  // largest step, in prior sigmas; below it the pairs change as much
+constexpr double kSettledShift = 0.05;  // largest step, in prior sigmas; below it, changing pairs dominate
 constexpr std::size_t kFewestPairs = 100;
 constexpr double kHuberSigmas = 1.5;
-constexpr double kCell_m = 0.25;   // neighbours of a plane lie within one cell around
-constexpr double kFlat = 0.02;     // variance across a plane over the smaller one along it
-constexpr double kWide_m = 0.015;  // standard deviation along the plane, or neighbours lie in a line
+constexpr double kCell_m = 0.25;   // neighbours of a plane are within one cell
+constexpr double kFlat = 0.02;     // limit of the variance across a plane over the smaller one along it
+constexpr double kWide_m = 0.015;  // least standard deviation along the plane; else neighbours are in a line
 
 /// A point of one stroke and the plane through its neighbours in the next.
 struct StrokePair {
   static constexpr std::size_t kNeighbours = 10;
   std::uint32_t point = 0;
-  std::array<std::uint32_t, kNeighbours> plane{};  ///< points that the plane goes through
+  std::array<std::uint32_t, kNeighbours> plane{};  ///< points of the plane
   Point3 normal{0.0, 0.0, 1.0};
 };
 
@@ -45,14 +45,14 @@ class StrokeGrid {
     for (std::uint32_t k = 0; k < points.size(); ++k) entries_.emplace_back(cell_key(strokes[k], points[k]), k);
     std::sort(entries_.begin(), entries_.end());
   }
-  /// Points of a stroke within a cell's size of the place: the nearest, the farthest and evenly between. Not simply the
-  /// nearest, which often lie on one line of the scan. Fewer than asked for where there are fewer.
+  /// Points of a stroke within a cell's size of the position: the nearest, the farthest and an even selection in
+  /// between, because the nearest are often on one line of the scan. Fewer if there are not enough.
   [[nodiscard]] std::vector<std::uint32_t> around(std::uint32_t stroke, const Point3& place, std::size_t count) const {
     std::vector<std::pair<double, std::uint32_t>> found;
     const auto [own, x, y, z] = cell_key(stroke, place);
     for (std::int64_t i = -1; i <= 1; ++i) {
       for (std::int64_t j = -1; j <= 1; ++j) {
-        // The cells z - 1 to z + 1 lie one after the other.
+        // The cells z - 1 to z + 1 are consecutive.
         const CellKey first{stroke, x + i, y + j, z - 1};
         const CellKey last{stroke, x + i, y + j, z + 1};
         const auto begin = std::lower_bound(entries_.begin(), entries_.end(), std::pair(first, std::uint32_t{0}));
@@ -99,15 +99,15 @@ Fitted fitted(const StrokePair& pair, const std::vector<Point3>& points) {
           .is_flat = variances(1) >= kWide_m * kWide_m && variances(0) <= kFlat * variances(1)};
 }
 
-// Distance of the point from the plane through the neighbours, along its normal, with the sign of the pair's normal:
-// when the model turns all points alike, the plane turns with them and the miss stays.
+// Distance of the point from the plane through the neighbours, along its normal, with the sign of the pair's normal. If
+// the model rotates all points alike, the plane rotates with them and the miss stays.
 double miss_m(const StrokePair& pair, const std::vector<Point3>& points) {
   Point3 normal = fitted(pair, points).normal;
   if (normal.dot(pair.normal) < 0.0) normal = -normal;
   return normal.dot(points[pair.point] - plane_centre(pair, points));
 }
 
-// For at most `most` points, spread evenly, those that have a flat neighbourhood within `gate_m` in the next stroke.
+// Pairs for at most `most` evenly spread points: each needs a flat neighbourhood within `gate_m` in the next stroke.
 // O(points log points).
 std::vector<StrokePair> stroke_pairs(const std::vector<Point3>& points, const std::vector<std::uint32_t>& strokes,
                                      double gate_m, std::uint32_t most) {
@@ -132,7 +132,7 @@ double median_size(std::vector<double> values) {
   return upper_median(values);
 }
 
-/// One linearisation: misses over their standard deviation, weighed down where they are outliers.
+/// One linearisation: misses over their standard deviation, with down-weighted outliers.
 struct Linear {
   Eigen::MatrixXd jacobian;
   Eigen::VectorXd misses;
@@ -169,7 +169,7 @@ class SelfCalibration {
   }
 
  private:
-  // Pairs are found anew until the gate has been closed twice, then kept: else the fit would follow their changes for
+  // New pairs are found until the gate has been closed twice, then kept, because the fit would follow their changes for
   // ever.
   [[nodiscard]] std::uint32_t rounds_of_pairing() const {
     std::uint32_t rounds = 2;
@@ -225,8 +225,8 @@ class SelfCalibration {
     return x;
   }
 
-  // Gauss-Newton with the priors, shortened until the bars stay within their bounds and the loop closes. What neither
-  // data nor priors hold stays where it is (the least-norm step).
+  // Gauss-Newton with the priors, shortened until the bars are within their bounds and the loop closes. Directions that
+  // neither data nor priors determine do not move (least-norm step).
   double take_step() {
     const auto count = static_cast<Eigen::Index>(x_.size());
     const Eigen::Index rows = linear_.misses.size();

@@ -1,9 +1,9 @@
-// Calibration of a nodding mount from a mapping log, without known surroundings: what the laser saw while it was lifted
-// and while it came down must be the same surfaces. Point-to-plane misses between consecutive strokes
-// [ChenMedioni1992], least squares with the priors of calibration.hpp, pairs found anew in each round. A standing robot
-// observes the encoder's zero and what else differs between the strokes; what moves both alike (the elevation offset
-// first of all) stays as it was and is said to. SI units, frame of the map. Thread-safe. Cost: twice the parameters
-// times an assembly a round.
+// Calibration of a nodding mount from a mapping log in unknown surroundings: the surfaces seen during lifting and
+// lowering must coincide. Least squares over point-to-plane misses between consecutive strokes [ChenMedioni1992] with
+// the priors of calibration.hpp; each round finds new pairs. A standing robot observes the encoder's zero and other
+// differences between the strokes. Parameters that move both strokes alike (above all the elevation offset) keep their
+// values, with a remark. SI units, frame of the map. Thread-safe. Cost: twice the parameters times an assembly per
+// round.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace gdtslam::calib {
 using StrokeAssembly = std::function<std::vector<Point3>(const SweepModel&)>;
 
 struct SelfCalibrationOptions {
-  /// Its bounds and priors, free_lever and free_sensor_angles. The bars are held tighter than before a wall, because
-  /// two strokes tell little of them: what moved on a calibrated mount is most likely the encoder's zero.
+  /// Its bounds and priors, free_lever and free_sensor_angles. The bars have tighter priors than with a wall, because
+  /// two strokes determine them poorly: on a calibrated mount the encoder's zero is most likely to have moved.
   CalibrationOptions priors{.bar_prior_m = 0.0003};
   double first_gate_m = 0.3;  ///< limit of a pair's miss; halved each round down to last_gate_m
   double last_gate_m = 0.08;
@@ -42,11 +42,11 @@ struct SelfCalibrationResult {
   std::vector<std::string> remarks;
 };
 
-/// Why the result must not be used, as part of a sentence: the strokes did not settle. Empty where they did.
+/// Reason not to use the result, as part of a sentence: the strokes did not converge. Empty if there is none.
 std::string reason_for_distrust(const SelfCalibrationResult& result);
 
-/// `strokes` has the number of each point's stroke; a point is compared with those of the next stroke. Throws
-/// ConfigError for a start whose loop does not close, InputError where the strokes share no surface.
+/// `strokes` has the stroke number of each point; points are compared with the next stroke. Throws ConfigError for a
+/// start whose loop does not close, InputError if the strokes share no surface.
 SelfCalibrationResult self_calibrate(const SweepModel& start, const std::vector<std::uint32_t>& strokes,
                                      const StrokeAssembly& assemble, const SelfCalibrationOptions& options);
 

@@ -8,10 +8,10 @@
 namespace gdtslam::calib {
 namespace {
 
-// A beam that meets a surface flatter than this never ends on it in practice.
+// A beam flatter on a surface than this never ends on it in practice.
 constexpr double kGrazingIncidence = 1e-9;
 
-// The normal of a surface, pointing from the scanner to it, and its derivatives.
+// The normal of a surface, pointing away from the scanner, and its derivatives.
 struct Normal {
   Point3 along;
   Point3 by_heading = Point3::Zero();
@@ -52,7 +52,7 @@ double dot(const Point3& a, const Point3& b) { return a.x() * b.x() + a.y() * b.
 
 Point3 lever_vector(const NoddingMount& mount) { return {mount.lever_forward_m, 0.0, mount.lever_up_m}; }
 
-// A vector of the level frame in the nodding frame, which the elevation turns about the lateral axis.
+// Converts a vector from the level frame to the nodding frame, which the elevation rotates about the lateral axis.
 Point3 in_nodding_frame(const Point3& v, const SinCos<double>& elevation) {
   return {v.x() * elevation.cos + v.z() * elevation.sin, v.y(), v.z() * elevation.cos - v.x() * elevation.sin};
 }
@@ -69,7 +69,7 @@ SurfaceMiss elevation_part(double elevation_rad, int sign, const RockerSensitivi
           .elevation_by_zero = rate};
 }
 
-// The surface that a beam meets first; nothing when none.
+// The surface that a beam meets first; empty if there is none.
 std::optional<std::uint32_t> first_surface(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces,
                                            double elevation_rad, double bearing_rad) {
   std::optional<std::uint32_t> first;

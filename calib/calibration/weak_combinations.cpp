@@ -1,4 +1,4 @@
-// Which combinations of parameters the data leave free, in words.
+// Describes the parameter combinations that the data leave free, in words.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -11,18 +11,18 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kMostlyOne = 0.99;   // squared share of a direction that is in a space, or of one parameter
+constexpr double kMostlyOne = 0.99;   // squared share of a direction in a space, or of one parameter
 constexpr double kWorthNaming = 0.2;  // share of the largest weight
-constexpr double kAliased = 0.1;      // share of an effect that the parameters cannot copy
+constexpr double kAliased = 0.1;      // share of an effect that the parameters cannot reproduce
 
-// With its sign; `digits` decimals, or digits in all with chars_format::general.
+// Formats with a sign; `digits` decimals, or significant digits with chars_format::general.
 std::string signed_text(double value, std::chars_format format, int digits) {
   std::array<char, 48> text{};
   const std::to_chars_result end = std::to_chars(text.data(), text.data() + text.size(), value, format, digits);
   return (value < 0.0 ? "" : "+") + std::string(text.data(), end.ptr);
 }
 
-// All bars longer by the same share: no angle of the loop changes.
+// All bars longer by the same share, which changes no angle of the loop.
 Eigen::VectorXd scale_direction(Setup setup, std::span<const Parameter> parameters) {
   Eigen::VectorXd direction = Eigen::VectorXd::Zero(eigen_index(parameters.size()));
   for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -32,7 +32,7 @@ Eigen::VectorXd scale_direction(Setup setup, std::span<const Parameter> paramete
   return direction.normalized();
 }
 
-// "crank +0.71, ground -0.70": the parameters that take part, the first one positive.
+// "crank +0.71, ground -0.70": the parameters with a share, the first one positive.
 std::string listed(const Eigen::VectorXd& weights, std::span<const Parameter> parameters) {
   const double largest = weights.cwiseAbs().maxCoeff();
   double sign = 0.0;
@@ -64,7 +64,7 @@ WeakCombination combination(double singular_value, const Eigen::VectorXd& weight
           .text = std::move(text)};
 }
 
-// Takes a direction out of a space of directions that nothing holds; the space shrinks by one.
+// Removes a direction from a space of undetermined directions; the space shrinks by one.
 void take_out(Eigen::MatrixXd& space, const Eigen::VectorXd& direction) {
   const Eigen::MatrixXd rest = space - direction * (direction.transpose() * space);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU);
@@ -75,8 +75,7 @@ bool contains(const Eigen::MatrixXd& space, const Eigen::VectorXd& direction) {
   return space.cols() > 0 && (space.transpose() * direction).squaredNorm() > kMostlyOne;
 }
 
-// Describes the directions that no data hold. Any basis of them is as good as another, so directions with a name come
-// first.
+// Describes the directions that no data determine. Any basis of them is valid, so directions with a name come first.
 void describe_free(Eigen::MatrixXd space, const Setup& setup, std::span<const Parameter> parameters,
                    std::vector<WeakCombination>& found) {
   const Eigen::VectorXd scale = scale_direction(setup, parameters);
@@ -97,7 +96,7 @@ void describe_free(Eigen::MatrixXd space, const Setup& setup, std::span<const Pa
   }
 }
 
-/// Something that the calibration takes for granted, and what it would be read as.
+/// An assumption of the calibration, and the parameter change that its violation would look like.
 struct Assumption {
   std::string what;  ///< with its size, "a bias of the ranges of 1 mm"
   Eigen::VectorXd effect;
@@ -110,7 +109,7 @@ std::string shift_text(double shift, const Parameter& parameter) {
   return parameter.name + " " + signed_text(shown, std::chars_format::general, 2) + (is_length ? " mm" : " deg");
 }
 
-// Says how the fit would read the assumption: the shifts that matter, and whether the misses would show it.
+// Reports how the fit would absorb the violated assumption: the relevant shifts, and whether the misses would show it.
 std::string remark_on(const Assumption& assumption, std::span<const Parameter> parameters, const Observability& seen) {
   const Eigen::VectorXd shift = -(seen.covariance * (seen.jacobian.transpose() * assumption.effect));
   const double left_over = (assumption.effect + seen.jacobian * shift).norm() / assumption.effect.norm();
@@ -159,7 +158,7 @@ std::vector<std::string> alias_remarks(const Setup& setup, std::span<const Param
          Eigen::VectorXd::Zero(eigen_index(count))});
   }
   for (std::size_t row = 0; row < count; ++row) {
-    const double gain = seen.gains(eigen_index(row));  // the weight that the misses had
+    const double gain = seen.gains(eigen_index(row));  // the weight of the misses
     bias.effect(eigen_index(row)) = gain * 0.001 * misses->list[row].incidence;
     tilts[fit.used[row].observation.surface].effect(eigen_index(row)) =
         gain * rad_from_deg(0.1) * misses->list[row].by_tilt;

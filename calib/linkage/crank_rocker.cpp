@@ -12,11 +12,11 @@
 namespace gdtslam::calib {
 namespace {
 
-/// A turn is sampled this finely to bracket the extremes of the rate: it has at most a handful.
+/// Samples of a turn that bracket the extremes of the rate, of which there are at most a handful.
 constexpr int kRateSamples = 720;
 /// Halvings of a sample step, to below the rounding of an angle.
 constexpr int kHalvings = 48;
-/// Share of a turn: strokes that differ by less are equal, and which way the crank turns does not matter.
+/// Share of a turn: strokes with a smaller difference are equal, and the crank's direction does not matter.
 constexpr double kEqualStrokes = 1e-9;
 constexpr double kNearChangePoint = 0.02;
 constexpr double kSensitiveRate = 2.0;
@@ -30,7 +30,7 @@ double rocker_acceleration(const FourBar& bars, Assembly assembly, double crank_
   return motion(bars, assembly, crank_rad).value().rocker_acceleration;
 }
 
-/// Largest |d psi / d phi|: where the acceleration changes its sign.
+/// Largest |d psi / d phi|, at a sign change of the acceleration.
 double most_rocker_rate(const FourBar& bars, Assembly assembly) {
   double most = 0.0;
   double low = 0.0;
@@ -72,8 +72,8 @@ void require_crank_rocker(const FourBar& bars) {
 
 }  // namespace
 
-// The rocker's limits lie where crank and coupler are in line: stretched, the rocker's end is coupler + crank away
-// from the crank's pivot, folded coupler - crank. Seen in the triangle of the two pivots and the rocker's end.
+// At the rocker's limits crank and coupler are in line: the rocker's end is coupler + crank (stretched) or coupler -
+// crank (folded) away from the crank's pivot. Solved in the triangle of the two pivots and the rocker's end.
 DeadPoint dead_point(const FourBar& bars, Assembly assembly, bool is_stretched) {
   const double reach = is_stretched ? bars.coupler_m + bars.crank_m : bars.coupler_m - bars.crank_m;
   const double x =

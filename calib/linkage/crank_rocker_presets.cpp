@@ -1,4 +1,4 @@
-// The linkages of the paper: its lengths under three readings of its figure, nominal and as calibrated there.
+// The linkages of the paper: its lengths under three readings of its figure, nominal and as calibrated.
 #include <algorithm>
 #include <array>
 
@@ -14,7 +14,7 @@ constexpr std::array<int, 7> kNominal_um = {132000, 36000, 125000, 85000, 88000,
 constexpr std::array<int, 7> kDelta_um = {4034, -1178, -3218, 2625, -900, 700, -1709};
 constexpr double kMicrometres = 1e6;
 
-/// Which of L1..L7 is which bar.
+/// Assignment of L1..L7 to the bars.
 struct Reading {
   std::size_t crank;
   std::size_t coupler;
@@ -64,7 +64,7 @@ std::vector<PaperBar> paper_bars(const std::string& model_name) {
   const auto preset = std::find_if(presets.begin(), presets.end(),
                                    [&](const LinkagePreset& known) { return known.name == model_name; });
   if (preset == presets.end()) return {};
-  constexpr std::size_t kPresetsOfReading = 2;  // one drawn, and one calibrated
+  constexpr std::size_t kPresetsOfReading = 2;  // one as drawn and one calibrated
   const std::size_t number = static_cast<std::size_t>(preset - presets.begin()) / kPresetsOfReading;
   std::vector<PaperBar> bars(kNominal_um.size());
   for (std::size_t k = 0; k < bars.size(); ++k) bars[k].name = "delta" + std::to_string(k + 1);

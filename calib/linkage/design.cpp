@@ -19,10 +19,10 @@ constexpr double kDefaultLongestRatio = 4.0;
 /// Bars longer than this many cranks gain nothing more: the transmission angle is within 0.02 deg of its limit.
 constexpr double kLongestUseful = 64.0;
 constexpr int kLengthHalvings = 12;
-/// Angles that the search cannot tell apart.
+/// Angle difference below the resolution of the search.
 constexpr double kEqualAngle_rad = 1e-9;
 
-/// Crank, coupler, rocker and ground as shares of their sum: the same for a linkage and for a larger one of its shape.
+/// Crank, coupler, rocker and ground as shares of their sum, which do not depend on the linkage's size.
 std::array<double, 4> bar_shares(const FourBar& bars) {
   const double sum = bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m;
   return {bars.crank_m / sum, bars.coupler_m / sum, bars.rocker_m / sum, bars.ground_m / sum};
@@ -37,12 +37,12 @@ double shape_distance(const FourBar& a, const FourBar& b) {
   return std::sqrt(sum);
 }
 
-/// Shapes nearer to each other count as one: half a percent of the sum of the bars.
+/// Shapes at a smaller distance count as equal: half a percent of the sum of the bars.
 constexpr double kSameShape = 0.005;
 
-/// Farthest-point sampling [Gonzalez1985]: the first shape, and then at each turn the one that is farthest from all
-/// that were taken, the first of equals. So no shape is farther from the taken ones than these are from each other.
-/// Fewer than `count` where the others are nearer than kSameShape. O(count x shapes).
+/// Farthest-point sampling [Gonzalez1985]: takes the first shape, then each time the one farthest from all taken, the
+/// first of equals. So no shape is farther from the taken ones than these are from each other. Fewer than `count` if
+/// all others are nearer than kSameShape. O(count x shapes).
 std::vector<FourBar> spread_shapes(std::span<const FourBar> shapes, std::size_t count) {
   std::vector<FourBar> taken;
   if (shapes.empty()) return taken;
@@ -67,7 +67,7 @@ double longest_bar_m(const DesignGoal& goal) {
   return goal.longest_bar_m.value_or(std::min(kDefaultLongestRatio * goal.most_crank_m, kMostBar_m));
 }
 
-/// The best linkage with a crank of that length, bars up to `longest_m`.
+/// The best linkage with this crank length and bars up to `longest_m`.
 std::optional<Reached> best_with(const DesignGoal& goal, double crank_m, double longest_m) {
   const auto imbalance = goal.time_ratio ? std::optional(imbalance_of_time_ratio(*goal.time_ratio)) : std::nullopt;
   const std::optional<FourBar> found =
@@ -92,7 +92,7 @@ void require(bool condition, const std::string& message) {
   }
 }
 
-/// A designed linkage has to be one that validate() takes.
+/// A designed linkage must pass validate().
 void require_bars_of_a_mount(const DesignGoal& goal) {
   require(goal.least_crank_m >= kLeastBar_m,
           "a crank of " + number_text(1000.0 * goal.least_crank_m) + " mm is shorter than 1 mm; check its unit");
@@ -102,7 +102,7 @@ void require_bars_of_a_mount(const DesignGoal& goal) {
           "a longest bar of " + cm_text(longest_bar_m(goal)) + " cm is longer than 1 m; check its unit");
 }
 
-/// Every number of the goal by itself.
+/// Checks each number of the goal by itself.
 void require_sound(const DesignGoal& goal) {
   require(goal.swing_rad > 0.0 && goal.swing_rad < kPi,
           "the swing of a crank-rocker lies between 0 and 180 deg, not at " + angle_text(goal.swing_rad));
@@ -119,7 +119,7 @@ void require_sound(const DesignGoal& goal) {
               cm_text(goal.least_crank_m) + " cm");
 }
 
-/// Refuses a goal that no lengths can meet because of the swing alone.
+/// Refuses a goal whose swing alone is impossible for any lengths.
 void require_possible(const DesignGoal& goal) {
   const double most_rad = 0.5 * (kPi - goal.swing_rad);
   require(goal.min_transmission_rad < most_rad,
@@ -136,7 +136,7 @@ std::string goal_text(const DesignGoal& goal) {
   return text;
 }
 
-/// The shortest longest bar that meets the goal, to a few thousandths; nothing where none does.
+/// The smallest limit of the longest bar that meets the goal, to a few thousandths; empty if none does.
 std::optional<double> sufficient_length_m(const DesignGoal& goal, double crank_m) {
   double too_short = std::min(longest_bar_m(goal), kLongestUseful * crank_m);
   double enough = kLongestUseful * crank_m;
@@ -181,7 +181,7 @@ std::string cause_text(const DesignGoal& goal, double crank_m) {
   throw ConfigError(message + "; " + cause_text(goal, goal.least_crank_m));
 }
 
-/// The shape as large as the crank's range and the longest bar allow: an error of a length matters less then.
+/// Scales the shape as far as the crank's range and the longest bar allow, because length errors matter less then.
 FourBar as_large_as_allowed(const DesignGoal& goal, const FourBar& shape) {
   const double longest = std::max({shape.coupler_m, shape.rocker_m, shape.ground_m}) / shape.crank_m;
   const double crank_m = std::max(goal.least_crank_m, std::min(goal.most_crank_m, longest_bar_m(goal) / longest));
@@ -192,7 +192,7 @@ FourBar as_large_as_allowed(const DesignGoal& goal, const FourBar& shape) {
           .ground_m = scale * shape.ground_m};
 }
 
-/// The best, as it is, and others that differ from it and from each other.
+/// The best shape unchanged, and others that differ from it and from each other.
 std::vector<FourBar> designed_bars(const DesignGoal& goal, const FourBar& best, std::size_t count) {
   if (count <= 1) return {best};
   const auto imbalance = goal.time_ratio ? std::optional(imbalance_of_time_ratio(*goal.time_ratio)) : std::nullopt;
@@ -206,7 +206,7 @@ std::vector<FourBar> designed_bars(const DesignGoal& goal, const FourBar& best, 
 
 }  // namespace
 
-// A shorter crank in the same room transmits better, so the shortest crank tells whether the goal can be met at all.
+// A shorter crank in the same room transmits better, so the shortest crank decides whether the goal can be met.
 std::vector<Design> design(const DesignGoal& goal, std::size_t count) {
   require_sound(goal);
   require_possible(goal);

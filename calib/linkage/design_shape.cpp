@@ -13,15 +13,15 @@ namespace {
 
 constexpr int kCouplerSamples = 200;
 constexpr int kImbalanceSamples = 90;
-/// The search along a line ends when its step, as a share of the range, is below this.
+/// The search along a line ends below this step, as a share of the range.
 constexpr double kFinestStep = 1e-12;
-/// Worse than any cosine: no linkage.
+/// Larger than any cosine: no linkage.
 constexpr double kNoShape = 2.0;
-/// The construction also gives linkages whose rocker crosses the ground line between its ends; their swing is another.
+/// The construction also gives linkages whose rocker crosses the ground line between its ends; their swing differs.
 constexpr double kSameSwing_rad = 1e-6;
 
-/// The parameters of a shape. The crank's pivot lies on the side of the rocker's pivot of the line through the rocker's
-/// outermost ends; on the other side there are crank-rockers too, which transmit worse.
+/// Parameters of a shape. Crank's pivot and rocker's pivot are on the same side of the line through the rocker's
+/// outermost ends; crank-rockers with the other side transmit worse.
 struct ShapeChoice {
   double swing_rad = 0.0;
   double imbalance_rad = 0.0;  ///< the slow stroke takes pi + imbalance of the turn, 0 to pi
@@ -42,7 +42,7 @@ bool has_swing(const FourBar& bars, double swing_rad) {
   return std::fabs(std::fabs(stretched.rocker_rad - folded.rocker_rad) - swing_rad) < kSameSwing_rad;
 }
 
-/// The bars for a crank of 1, or nothing where the choice is no crank-rocker with that swing.
+/// The bars for a crank of 1; empty if the choice gives no crank-rocker with that swing.
 std::optional<FourBar> shape(const ShapeChoice& choice) {
   const double coupler = choice.coupler;
   const double stretched = coupler + 1.0;
@@ -52,7 +52,7 @@ std::optional<FourBar> shape(const ShapeChoice& choice) {
   const double sq_half_chord = 1.0 + stretched * folded * half_imbalance.sin * half_imbalance.sin;
   const double rocker = std::sqrt(sq_half_chord) / half_swing.sin;
   const double chord = 2.0 * std::sqrt(sq_half_chord);
-  // At the stretched end, from the chord: the crank's pivot, and the rocker's pivot at (pi - swing) / 2.
+  // At the stretched end, angles from the chord: to the crank's pivot, and (pi - swing) / 2 to the rocker's pivot.
   const double cosine = (stretched * stretched + chord * chord - folded * folded) / (2.0 * stretched * chord);
   const double sine = folded * 2.0 * half_imbalance.sin * half_imbalance.cos / chord;
   const double pivots_cosine = half_swing.sin * cosine + half_swing.cos * sine;
@@ -69,7 +69,7 @@ double worst_transmission_cosine(const FourBar& bars) {
 }
 
 struct Candidate {
-  double cosine = kNoShape;  ///< largest of the transmission angle
+  double cosine = kNoShape;  ///< largest cosine of the transmission angle
   FourBar bars;
 };
 
@@ -78,8 +78,8 @@ struct Range {
   double to = 0.0;
 };
 
-/// The least of a function over a range: the best of even samples, then steps that halve. It also ends well where the
-/// least lies at the edge of what is allowed. `at` returns a Candidate.
+/// Minimises a function over a range: the best of even samples, then halved steps. A minimum at the edge of the
+/// feasible range is found too. `at` returns a Candidate.
 template <class Function>
 Candidate least_over(const Range& range, int samples, const Function& at) {
   double place = range.from;
@@ -115,7 +115,7 @@ Candidate make_candidate(const ShapeChoice& choice, double longest) {
 }
 
 Candidate best_coupler(const ShapeLimits& limits, double imbalance_rad) {
-  // Even in the inverse: what happens to the angle with long couplers happens slowly.
+  // Even in the inverse, because the angle changes slowly for long couplers.
   const auto at_inverse = [&](double inverse) {
     return make_candidate({.swing_rad = limits.swing_rad, .imbalance_rad = imbalance_rad, .coupler = 1.0 / inverse},
                           limits.longest);
@@ -123,7 +123,7 @@ Candidate best_coupler(const ShapeLimits& limits, double imbalance_rad) {
   return least_over({1.0 / limits.longest, 1.0}, kCouplerSamples, at_inverse);
 }
 
-// The feasible choices of a grid, and how far they reach; the ranges are the grid's when none is feasible.
+// The feasible choices of a grid and their ranges; the grid's ranges if none is feasible.
 struct Feasible {
   std::vector<FourBar> shapes;
   Range imbalance_rad;

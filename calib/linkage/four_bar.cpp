@@ -9,9 +9,9 @@
 namespace gdtslam::calib {
 namespace {
 
-/// Rounding leaves a loop that just closes this far outside of its domain, as a share of the squared size.
+/// Tolerance of the loop's domain, as a share of the squared size: rounding of a loop that just closes.
 constexpr double kDomainSlack = 1e-12;
-/// Below this sine of the transmission angle the rates are lost in rounding.
+/// Below this sine of the transmission angle rounding dominates the rates.
 constexpr double kLeastSine = 1e-7;
 
 double bar_sum(const FourBar& bars) { return bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m; }
@@ -25,7 +25,7 @@ struct Loop {
   double cosine = 0.0;
 };
 
-/// The triangle A, B, rocker's pivot: with d the distance from A to the pivot, B lies `along` d and `across` it.
+/// The triangle A, B, rocker's pivot: B is `along` the line from A to the pivot and `across` it.
 std::optional<Loop> close_loop(const FourBar& bars, Assembly assembly, double crank_rad) {
   const auto [sin, cos] = sin_cos(crank_rad);
   const Point2 crank(cos, sin);

@@ -1,5 +1,4 @@
-// Lengths and angles in messages: centimetres and degrees, as people who build linkages read them, the same text in
-// every locale.
+// Lengths and angles in messages: in centimetres and degrees, for builders of linkages; the same text in every locale.
 #pragma once
 
 #include <string>

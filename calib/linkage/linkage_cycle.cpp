@@ -61,7 +61,7 @@ LinkageCycle::LinkageCycle(const SweepModel& model) : model_(model), grashof_(Gr
   if (positions_.empty()) throw ConfigError("the loop closes in no stretch of the crank's turn");
   centre_elevations();
   if (!turns_fully_) {
-    // At the very ends rounding may leave the loop open; the stretch is what was found to close.
+    // Rounding may leave the loop open at the very ends; the range ends at the positions found.
     from_rad_ = positions_.front().crank_rad;
     span_rad_ = positions_.back().crank_rad - from_rad_;
   }
@@ -72,7 +72,7 @@ LinkageCycle::LinkageCycle(const SweepModel& model) : model_(model), grashof_(Gr
     const DeadPoint& dead = model_.elevation_sign > 0 ? report_->highest : report_->lowest;
     end_ = at(dead.crank_rad).value_or(lift_end);
   }
-  // With the very end of the lift among them, every elevation that is reached lies between two of these.
+  // The end of the lift is included, so that every reachable elevation is between two of these.
   branches_ = positions_;
   const auto behind = std::find_if(branches_.begin(), branches_.end(), [&](const LinkagePosition& position) {
     return std::fabs(position.crank_rad - from_rad_) > std::fabs(lift_span_rad());
@@ -95,7 +95,7 @@ void LinkageCycle::choose_span() {
   turns_fully_ = std::fabs(span_rad_) >= kWholeTurn;
 }
 
-// Shifts them by whole turns so that the middle of their range is an angle as people write it.
+// Shifts the elevations by whole turns so that the middle of their range is a usual angle.
 void LinkageCycle::centre_elevations() {
   lowest_rad_ = positions_.front().elevation_rad;
   highest_rad_ = lowest_rad_;
@@ -141,12 +141,12 @@ double LinkageCycle::crank_at(double share) const {
 double LinkageCycle::since_begin_rad(double crank_rad) const {
   const double turned_rad = span_rad_ < 0.0 ? from_rad_ - crank_rad : crank_rad - from_rad_;
   const double since_rad = turned_rad - kTwoPi * std::floor(turned_rad / kTwoPi);
-  // Just before the begin counts as the begin, not as a whole turn.
+  // An angle just before the start counts as the start, not as a whole turn.
   return since_rad > kTwoPi - 1e-9 ? 0.0 : since_rad;
 }
 
 double LinkageCycle::crank_of(double elevation_rad, bool is_rising, int direction) const {
-  // Along the cycle the elevation rises where it does in time, or falls there if the crank turns the other way.
+  // The elevation rises along the cycle if it rises in time, or if it falls and the crank turns the other way.
   const bool rises_along = is_rising == (direction * span_rad_ > 0.0);
   const auto above = [&](double rad) { return wrap_angle(rad - elevation_rad); };
   for (std::size_t i = 0; i + 1 < branches_.size(); ++i) {

@@ -1,7 +1,7 @@
-// The positions that a linkage runs through, in the order in which they are best seen: a crank-rocker one turn from
-// where the lift begins, in the direction that makes lifting the slow stroke; any other linkage whose crank turns
-// fully one turn; the rest there and back through the first stretch in which the loop closes. Whatever draws a linkage
-// takes its places from here. Angles in radians. Thread-safe after construction.
+// The positions of a linkage in motion, for every drawing of it. A crank-rocker makes one turn from the start of the
+// lift, in the direction that makes lifting the slow stroke. Other linkages with a fully turning crank make one turn;
+// the rest move there and back through the first range in which the loop closes. Angles in radians. Thread-safe after
+// construction.
 #pragma once
 
 #include <array>
@@ -13,41 +13,41 @@
 
 namespace gdtslam::calib {
 
-/// Angles in the frame of four_bar.hpp. Places as the linkage stands in the mount, in the plane of x (forward) and z
-/// (up), from the rocker's pivot: there the rocker's direction is the elevation.
+/// Angles in the frame of four_bar.hpp. Points as in the mount, in the plane of x (forward) and z (up), from the
+/// rocker's pivot: there the rocker's direction is the elevation.
 struct LinkagePosition {
   double crank_rad = 0.0;
-  double elevation_rad = 0.0;  ///< without jumps by whole turns along the cycle
+  double elevation_rad = 0.0;  ///< continuous along the cycle, without jumps by whole turns
   LinkagePose pose;
   std::array<Point2, 4> joints;  ///< crank's pivot, crank's end, coupler's end, rocker's pivot
   Point2 middle;                 ///< middle of the coupler
 };
 /// A vector of length 1.
 Point2 unit_at(double angle_rad);
-/// In the mount, of a place in the frame of four_bar.hpp.
+/// Converts a point from the frame of four_bar.hpp to the mount.
 Point2 place_in_mount(const SweepModel& model, const Point2& place);
 /// Empty if the loop does not close.
 std::optional<LinkagePosition> position_at(const SweepModel& model, double crank_rad);
 
 class LinkageCycle {
  public:
-  /// Throws ConfigError where the loop closes nowhere.
+  /// Throws ConfigError if the loop never closes.
   explicit LinkageCycle(const SweepModel& model);
 
   [[nodiscard]] const SweepModel& model() const { return model_; }
   [[nodiscard]] GrashofClass grashof() const { return grashof_; }
-  /// Empty unless it is a crank-rocker.
+  /// Empty if it is no crank-rocker.
   [[nodiscard]] const std::optional<CrankRockerReport>& report() const { return report_; }
   [[nodiscard]] double from_rad() const { return from_rad_; }
   [[nodiscard]] double span_rad() const { return span_rad_; }  ///< signed
   [[nodiscard]] bool turns_fully() const { return turns_fully_; }
-  /// The crank's turn from the lift's begin to its end, at most the span; the span if nothing lifts.
+  /// The crank's turn from the start of the lift to its end, at most the span; the span if there is no lift.
   [[nodiscard]] double lift_span_rad() const;
-  /// Evenly over the span, both ends included; places where the loop does not close are left out.
+  /// Positions evenly over the span, both ends included, without those where the loop does not close.
   [[nodiscard]] const std::vector<LinkagePosition>& positions() const { return positions_; }
-  /// The same from the cycle's begin through a part of the span, in so many steps.
+  /// The same over a part of the span from its start, in this number of steps.
   [[nodiscard]] std::vector<LinkagePosition> stretch(double span_rad, int steps) const;
-  /// The two ends of the lift, or of the stretch.
+  /// The two ends of the lift, or of the range.
   [[nodiscard]] const LinkagePosition& begin() const { return begin_; }
   [[nodiscard]] const LinkagePosition& end() const { return end_; }
 
@@ -55,19 +55,19 @@ class LinkageCycle {
   [[nodiscard]] double lowest_rad() const { return lowest_rad_; }
   [[nodiscard]] double highest_rad() const { return highest_rad_; }
 
-  /// The laser turns with a rocker that turns fully.
+  /// Whether the laser turns with a fully turning rocker.
   [[nodiscard]] bool sweeps_all_around() const;
 
-  /// Empty if the loop does not close. The elevation is the one of the cycle.
+  /// Empty if the loop does not close. The elevation is continuous with the cycle's.
   [[nodiscard]] std::optional<LinkagePosition> at(double crank_rad) const;
-  /// The crank after this share of a film: 0 to 1, at 1 as at 0, turning evenly.
+  /// Crank angle at this share of a film: 0 to 1, even turning, the same at 1 as at 0.
   [[nodiscard]] double crank_at(double share) const;
-  /// From the cycle's begin, 0 to |span|.
+  /// Turn from the start of the cycle, 0 to |span|.
   [[nodiscard]] double since_begin_rad(double crank_rad) const;
-  /// The crank at which the laser looks there while its elevation rises or falls, for a crank that turns in
-  /// `direction` (+1 counter-clockwise); where it never does, the nearest. O(positions).
+  /// The crank angle at which the elevation has this value while rising or falling, for a crank that turns in
+  /// `direction` (+1 counter-clockwise); the nearest if it never does. O(positions).
   [[nodiscard]] double crank_of(double elevation_rad, bool is_rising, int direction) const;
-  /// In the lift, where coupler and rocker are nearest to a right angle.
+  /// The angle in the lift with coupler and rocker nearest to a right angle.
   [[nodiscard]] double shown_crank_rad() const;
 
  private:

@@ -1,5 +1,5 @@
-// Colours as text, and the colour maps: every fifteenth colour of a table, curves between them. They are paths through
-// CIELAB along which equal steps look equally large. The same bits on every host.
+// Colours as text, and the colour maps: every fifteenth colour of a table, with curves in between. They are paths
+// through CIELAB on which equal steps look equal. The same bits on every host.
 #include "gdtslam/drawing/colour.hpp"
 
 #include <fmt/format.h>
@@ -20,9 +20,9 @@ namespace {
 
 constexpr std::size_t kKnots = 18;
 constexpr std::size_t kEntries = 256;
-/// Colour of cells and points without a value, apart from a map's colours and from a dark or light page.
+/// Colour of cells and points without a value, distinct from a map's colours and from a dark or light page.
 constexpr Colour kUnknown = colour_for(0x8a8f98);
-/// The same for a map that is grey itself.
+/// The same for a grey map.
 constexpr Colour kUnknownInGrey = colour_for(0x4d6fa8);
 
 struct KnottedMap {
@@ -48,7 +48,7 @@ constexpr std::array<KnottedMap, 4> kMaps{
       {0x0b0d1a, 0x131a2a, 0x19263c, 0x20324e, 0x263f62, 0x2b4c72, 0x3a5a7b, 0x4a6883, 0x5b768b, 0x6e8393, 0x81919b,
        0x949fa3, 0xa8adab, 0xbcbcb3, 0xcfcabb, 0xe3d9c3, 0xf2e9d7, 0xfef9ee}}}};
 
-/// Between the second and the third of four values, a curve without a kink (Catmull and Rom's).
+/// Smooth interpolation between the second and the third of four values (Catmull-Rom).
 double curve(const std::array<double, 4>& four, double share) {
   const double squared = share * share;
   const double cubed = squared * share;
@@ -56,7 +56,7 @@ double curve(const std::array<double, 4>& four, double share) {
                 (-3.0 * cubed + 4.0 * squared + share) * four[2] + (cubed - squared) * four[3]);
 }
 
-/// One of the three channels, `shift` bits up, at a place between the knots.
+/// One channel, `shift` bits up, at a position between the knots.
 std::uint8_t channel_at(std::span<const std::uint32_t> knots, double place, unsigned shift) {
   const auto channel = [&](std::size_t k) { return static_cast<double>(knots[k] >> shift & 0xFFU); };
   const std::size_t leg = std::min(static_cast<std::size_t>(place), knots.size() - 2);

@@ -7,7 +7,7 @@ namespace {
 
 std::uint32_t byte_at(std::string_view text, std::size_t k) { return static_cast<unsigned char>(text[k]); }
 
-/// Length of the sequence that a first byte announces; 0 where none begins so.
+/// Sequence length announced by a first byte; 0 for an invalid one.
 std::size_t announced_length(std::uint32_t first) {
   if (first < 0x80U) return 1;
   if (first >= 0xC2U && first < 0xE0U) return 2;
@@ -15,14 +15,14 @@ std::size_t announced_length(std::uint32_t first) {
   return first >= 0xF0U && first < 0xF5U ? 4U : 0U;
 }
 
-/// The second byte's bounds keep out overlong forms, surrogates and what is beyond U+10FFFF (Unicode, table 3-7).
+/// Bounds of the second byte exclude overlong forms, surrogates and codes above U+10FFFF (Unicode, table 3-7).
 bool is_second_byte(std::uint32_t first, std::uint32_t second) {
   const std::uint32_t least = first == 0xE0U ? 0xA0U : first == 0xF0U ? 0x90U : 0x80U;
   const std::uint32_t most = first == 0xEDU ? 0x9FU : first == 0xF4U ? 0x8FU : 0xBFU;
   return second >= least && second <= most;
 }
 
-/// Bytes of the character at k that are as they should be, and whether it is whole.
+/// Number of valid bytes of the character at k, and whether it is complete.
 struct Sequence {
   std::size_t bytes = 1;
   bool is_whole = false;
@@ -67,7 +67,7 @@ std::string legible(std::string_view words) {
     const Letter letter = next_letter(words, at);
     if (letter.code < 0x20 || (letter.code >= 0x7F && letter.code < 0xA0)) {
       result += ' ';
-    } else if (letter.code >= kUnknownLetter && letter.code <= 0xFFFF) {  // the last two are no characters
+    } else if (letter.code >= kUnknownLetter && letter.code <= 0xFFFF) {  // U+FFFE and U+FFFF are no characters
       result += kUnknownLetterBytes;
     } else {
       result += letter.bytes;

@@ -25,10 +25,10 @@ void bounds_of_triangle(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = static_cast<float>(high.z() + kBoxPadding_m);
 }
 
-// Embree wants a function; a null one would make it count occlusion queries, which are never sent, as misses.
+// With a null function Embree would count occlusion queries, which are never sent, as misses.
 void occlude_nothing(const RTCOccludedFunctionNArguments* /*arguments*/) {}
 
-// Embree takes any name without a word, and would run instructions that the processor lacks.
+// Embree accepts any name silently, and would run instructions that the processor lacks.
 bool can_run(const std::string& isa) {
 #if defined(__x86_64__) || defined(__i386__)
   return isa.empty() || isa == "sse2" || (isa == "sse4.2" && __builtin_cpu_supports("sse4.2") != 0) ||
@@ -45,7 +45,7 @@ std::string device_settings(const std::string& isa) {
     throw UnavailableError("Embree cannot run with the instruction set '" + isa +
                            "' here: use sse2, sse4.2, avx, avx2 or avx512 as far as the processor has them");
   }
-  // One thread: building is the only thing Embree would share out, and it starts no threads of its own this way.
+  // One thread: only building could run in parallel, and this way Embree starts no threads.
   return "threads=1" + (isa.empty() ? std::string() : ",isa=" + isa);
 }
 
@@ -89,7 +89,7 @@ EmbreeBoxes::EmbreeBoxes(TriangleMesh mesh, const std::string& isa, RTCIntersect
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_.get());
   if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
-    static_cast<void>(scene_.release());  // Embree ends the program where it frees a tree that it could not build
+    static_cast<void>(scene_.release());  // Embree ends the program if it frees a tree that it could not build
     throw_error("Embree failed to build its tree", error);
   }
 }

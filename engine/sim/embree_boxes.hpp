@@ -1,6 +1,6 @@
-// Embree's tree over boxes around the triangles of a mesh, for queries that decide by double arithmetic of their own.
-// Boxes are padded by more than the rounding of Embree's single precision, so a query that asks for what lies within
-// its reach plus kBoxPadding_m is told of every triangle that matters, whatever instruction set Embree runs.
+// Embree's tree over boxes around the triangles of a mesh, for queries that compute in double precision themselves.
+// Boxes are padded by more than the rounding of Embree's single precision. So a query within its reach plus
+// kBoxPadding_m receives every relevant triangle, whatever instruction set Embree uses.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -13,10 +13,10 @@
 
 namespace gdtslam::sim {
 
-// Within kMaxCoordinate_m of the origin and ranges up to twice that, a coordinate is off by at most 6e-5 m, the far end
-// of a ray by 2e-4 m.
+// Within kMaxCoordinate_m of the origin and ranges up to twice that, the error of a coordinate is at most 6e-5 m, that
+// of a ray's far end 2e-4 m.
 inline constexpr double kBoxPadding_m = 2e-3;
-/// The farthest that a query may reach.
+/// Longest reach of a query.
 inline constexpr double kMaxReach_m = 3.0 * kMaxCoordinate_m;
 
 struct EmbreeRelease {
@@ -24,11 +24,11 @@ struct EmbreeRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
 
-/// Stays where it is: Embree holds a pointer to the mesh.
+/// Not movable: Embree holds a pointer to the mesh.
 class EmbreeBoxes {
  public:
-  /// `intersect` may be null where no ray is cast. Throws UnavailableError when Embree cannot start or lacks the
-  /// instruction set, ConfigError for a mesh that triangulate() would not have made.
+  /// `intersect` may be null if no ray is cast. Throws UnavailableError if Embree cannot start or lacks the instruction
+  /// set, ConfigError for a mesh that triangulate() would reject.
   EmbreeBoxes(TriangleMesh mesh, const std::string& isa, RTCIntersectFunctionN intersect);
   EmbreeBoxes(const EmbreeBoxes&) = delete;
   EmbreeBoxes& operator=(const EmbreeBoxes&) = delete;

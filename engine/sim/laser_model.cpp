@@ -10,7 +10,7 @@
 namespace gdtslam::sim {
 namespace {
 
-// SICK LMS 2xx: 75 turns a second, 1 cm in its 80 m mode. The noise of 1 cm lies between what the maker states for the
+// SICK LMS 2xx: 75 turns a second, 1 cm in its 80 m mode. The noise of 1 cm is between the maker's values for the
 // younger LMS1xx (12 mm) and LMS5xx (6 mm).
 LaserModel sick(std::size_t beam_count, double step_deg) {
   return {.first_bearing_rad = rad_from_deg(-90.0),
@@ -38,7 +38,7 @@ LaserModel hokuyo() {
           .mirror_rate_hz = 40.0};
 }
 
-// The laser of vacuum cleaners and small robots: a whole turn, 5 to 10 times a second.
+// The laser of vacuum cleaners and small robots: full circle, 5 to 10 turns a second.
 LaserModel lidar_360() {
   return {.first_bearing_rad = rad_from_deg(-180.0),
           .bearing_step_rad = rad_from_deg(1.0),
@@ -69,7 +69,7 @@ std::vector<std::string> validate(const LaserModel& laser) {
       faults.emplace_back(fault);
     }
   };
-  // Comparisons are written so that a value that is not a number counts as outside.
+  // Written so that a value that is not a number counts as outside.
   const auto is_inside = [](double value, double low, double high) { return value >= low && value <= high; };
   require(is_inside(laser.first_bearing_rad, -kTwoPi, kTwoPi), "first_bearing must be -360 to 360 deg");
   require(is_inside(laser.bearing_step_rad, 1e-5, kPi), "bearing_step must be 0.00001 rad to 180 deg");

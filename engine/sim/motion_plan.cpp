@@ -24,7 +24,7 @@ struct Straight {
   SpeedProfile profile;
 };
 struct Spin {
-  SpeedProfile profile;  // for the angle's magnitude
+  SpeedProfile profile;  // profile of the angle's magnitude
   double sign = 1.0;
 };
 struct Rounded {
@@ -33,11 +33,11 @@ struct Rounded {
 };
 struct Standing {};
 
-/// One piece of the motion, with the state at its start.
+/// A piece of the motion, with the state at its start.
 struct Segment {
   double start_s = 0.0;
   double duration_s = 0.0;
-  double direction = 1.0;  // -1 backward
+  double direction = 1.0;  // -1: backward
   MotionState start;
   std::variant<Straight, Spin, Rounded, Standing> shape;
 };
@@ -50,7 +50,7 @@ struct Leg {
   double speed_m_per_s = 0.0;
 };
 
-/// The turn at a waypoint: how much of the adjoining legs it takes, and how fast it may be passed.
+/// The turn at a waypoint: its share of the adjoining legs, and its largest speed.
 struct Joint {
   double cut_m = 0.0;
   double pass_speed_m_per_s = 0.0;  // 0: the robot stops
@@ -80,7 +80,7 @@ std::vector<Leg> legs_between(const std::vector<Waypoint>& waypoints, const Moti
   return legs;
 }
 
-// The fastest constant speed of a turn within the limits of turn rate and turn acceleration (see SmoothTurn).
+// The fastest constant speed within the limits of turn rate and turn acceleration (see SmoothTurn).
 double turn_speed(const SmoothTurn& turn, const MotionLimits& limits) {
   const double angle_rad = std::fabs(turn.angle_rad());
   const double by_rate = limits.turn_rate_rad_per_s * turn.length_m() / (1.5 * angle_rad);
@@ -108,7 +108,7 @@ Joint joint_at(const Waypoint& waypoint, const Leg& before, const Leg& after, co
   return joint;
 }
 
-// Joint i stands at waypoint i; the first and the last are stops.
+// Joint i belongs to waypoint i; the first and the last are stops.
 std::vector<Joint> make_joints(const std::vector<Waypoint>& waypoints, const std::vector<Leg>& legs,
                                const MotionLimits& limits) {
   std::vector<Joint> joints;
@@ -124,7 +124,7 @@ double straight_length(const std::vector<Leg>& legs, const std::vector<Joint>& j
   return legs[leg].length_m - joints[leg].cut_m - joints[leg + 1].cut_m;
 }
 
-// Lowers the joints' speeds until every straight piece can get from one to the next within the acceleration.
+// Lowers the joints' speeds until each leg can connect them within the acceleration.
 void respect_acceleration(const std::vector<Leg>& legs, std::vector<Joint>& joints, double acceleration) {
   const auto lower = [&](std::size_t to, std::size_t from, std::size_t leg) {
     const double start = joints[from].pass_speed_m_per_s;
@@ -159,7 +159,7 @@ MotionState state_in(const Segment& segment, double time_s) {
     state.turned_rad += spin->sign * at.distance;
   } else if (const auto* rounded = std::get_if<Rounded>(&segment.shape)) {
     const double share = std::min(1.0, rounded->speed_m_per_s * time_s / rounded->turn.length_m());
-    // Backward the robot looks against its motion, so the turn's frame is turned by half a turn.
+    // Backward the robot faces against its motion, so the turn's frame is rotated by half a turn.
     const Point2 moved = start * Point2(sign * rounded->turn.position_at(share));
     const double heading_rad = rounded->turn.heading_at(share);
     state.T_map_axle = {moved.x(), moved.y(), wrap_angle(start.theta_rad + heading_rad)};
@@ -172,7 +172,7 @@ MotionState state_in(const Segment& segment, double time_s) {
   return state;
 }
 
-/// Appends segments one after the other; each begins where the one before ended.
+/// Appends segments; each starts at the end of the previous one.
 class Builder {
  public:
   Builder(const Pose2& start, const MotionLimits& limits) : limits_(limits) { at_.T_map_axle = start; }
@@ -193,7 +193,7 @@ class Builder {
   }
   void stand(double duration_s) { append({time_s_, duration_s, 1.0, at_, Standing{}}); }
 
-  // Rounding must not add up along the plan: the place is put back onto the leg, which moves it by some 1e-12 m.
+  // Moves the pose back onto the leg, by some 1e-12 m, so that rounding does not add up along the plan.
   void align(const Pose2& T_map_axle) { at_.T_map_axle = T_map_axle; }
 
   std::vector<Segment> segments;
@@ -261,7 +261,7 @@ void check_waypoints(const std::vector<Waypoint>& waypoints) {
   }
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const Waypoint& waypoint = waypoints[i];
-    // Comparisons are written so that a value that is not a number is refused.
+    // Written so that a value that is not a number is refused.
     if (!(waypoint.speed_m_per_s.value_or(1.0) >= 0.01 && waypoint.speed_m_per_s.value_or(1.0) <= 100.0)) {
       refuse(i, "speed must be 0.01 to 100 m/s");
     }

@@ -14,7 +14,7 @@ SmoothTurn::SmoothTurn(double angle_rad, double cut_m) : angle_rad_(angle_rad) {
     at_node_[node + 1] =
         at_node_[node] + integrated(static_cast<double>(i) / kNodes, static_cast<double>(i + 1) / kNodes);
   }
-  // The turn is symmetric, so both tangents are equally long: end.x = tangent * (1 + cos angle).
+  // By symmetry both tangents are equally long: end.x = tangent * (1 + cos angle).
   const double unit_tangent = at_node_[kNodes].x() / (1.0 + sin_cos(angle_rad).cos);
   length_m_ = cut_m / unit_tangent;
 }

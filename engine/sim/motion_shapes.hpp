@@ -1,4 +1,4 @@
-// Parts of the motion along waypoints: speeds that rise, stay and fall, and turns. Constant time.
+// Parts of the motion along waypoints: speed profiles and turns. Constant time.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,8 @@ struct ProfileState {
   double rate = 0.0;
 };
 
-/// Trapezoid in the rate over time. Needs |end^2 - start^2| <= 2 * acceleration * distance; the peak gives way to it.
+/// Trapezoid of the rate over time. Needs |end^2 - start^2| <= 2 * acceleration * distance; the peak is lowered if
+/// needed.
 class SpeedProfile {
  public:
   SpeedProfile(double distance, double start_rate, double end_rate, double peak_rate, double acceleration)
@@ -38,7 +39,7 @@ class SpeedProfile {
     if (left_s > fall_s_) {
       return {0.5 * (start_ + peak_) * rise_s_ + peak_ * (time_s - rise_s_), peak_};
     }
-    // Counted from the end, so that the end is met exactly.
+    // Measured from the end, so that the end is exact.
     const double before_end_s = std::max(0.0, left_s);
     return {distance_ - (end_ + 0.5 * acceleration_ * before_end_s) * before_end_s,
             end_ + acceleration_ * before_end_s};
@@ -55,18 +56,18 @@ class SpeedProfile {
   double distance_ = 0.0;
 };
 
-/// A turn whose heading goes as 3u^2 - 2u^3 of the share u of its length: the curvature is zero at both ends, at most
-/// 1.5 * angle / length, and changes by at most 6 * angle / length^2. The path has no closed form; it is integrated
-/// once by Gauss-Legendre quadrature at unit length, whose error is below 1e-12.
+/// A turn whose heading is 3u^2 - 2u^3 over the share u of its length: the curvature is zero at both ends, at most 1.5
+/// * angle / length, and changes by at most 6 * angle / length^2. The path has no closed form; it is integrated once by
+/// Gauss-Legendre quadrature at unit length, with an error below 1e-12.
 class SmoothTurn {
  public:
-  /// Starts at the origin along x; `cut_m` is the distance from either end to the corner of the two tangents.
+  /// Starts at the origin along x; `cut_m` is the distance from either end to the intersection of the tangents.
   SmoothTurn(double angle_rad, double cut_m);
 
   [[nodiscard]] double length_m() const { return length_m_; }
   [[nodiscard]] double angle_rad() const { return angle_rad_; }
   [[nodiscard]] double heading_at(double share) const;
-  /// Turn per metre.
+  /// Curvature, radians per metre.
   [[nodiscard]] double curvature_at(double share) const;
   [[nodiscard]] Point2 position_at(double share) const;
 

@@ -9,7 +9,7 @@
 namespace gdtslam::sim {
 namespace {
 
-// Between the robot's standstill and the crank's start.
+// Pause between the robot's stop and the crank's start.
 constexpr double kSettle_s = 0.2;
 
 void check_faults(const NoddingModel& model, std::vector<std::string>& faults) {
@@ -23,8 +23,8 @@ void check_faults(const NoddingModel& model, std::vector<std::string>& faults) {
   }
 }
 
-// A crank that turns fully closes everywhere; 2,880 angles meet every gap wider than an eighth of a degree, and the
-// inequality of Grashof tells the rest.
+// A fully turning crank closes everywhere. 2,880 angles find every gap wider than an eighth of a degree; Grashof's
+// inequality decides the rest.
 bool closes_all_around(const calib::SweepModel& model) {
   constexpr int kAngles = 2880;
   for (int i = 0; i < kAngles; ++i) {
@@ -40,7 +40,7 @@ bool closes_all_around(const calib::SweepModel& model) {
 
 std::vector<std::string> validate(const NoddingModel& model) {
   std::vector<std::string> faults = validate(model.truth);
-  // Comparisons are written so that a value that is not a number counts as outside.
+  // Written so that a value that is not a number counts as outside.
   const auto require = [&faults](double value, double low, double high, const char* fault) {
     if (!(value >= low && value <= high)) {
       faults.emplace_back(fault);
@@ -99,7 +99,7 @@ NoddingCourse::NoddingCourse(const NoddingModel& model, const MotionPlan& plan) 
 void NoddingCourse::find_stops(const MotionPlan& plan) {
   double turns = 0.0;
   for (const Stand& stand : plan.stands()) {
-    // The crank starts with a message of its encoder, so that the line between two messages has no kink within.
+    // The crank starts at a message of its encoder, so that the line between two messages has no kink.
     const double from_s =
         std::ceil((stand.from_s + kSettle_s) * model_.encoder_rate_hz - 1e-6) / model_.encoder_rate_hz;
     const double left_s = stand.from_s + stand.duration_s - from_s;

@@ -11,7 +11,7 @@
 namespace gdtslam::sim {
 namespace {
 
-// The hits of a ray so far. The context comes first, so that Embree's pointer to it is one to the whole.
+// Hits of a ray so far. The context comes first, so that Embree's pointer to it points to the whole struct.
 struct Search {
   RTCIntersectContext context;
   const TriangleMesh* mesh = nullptr;
@@ -33,7 +33,7 @@ void meet_triangle(const RTCIntersectFunctionNArguments* arguments) {
     return;
   }
   search.best = {*range_m, triangle};
-  // Triangles at the same range must still be proposed, so the ray ends a little later.
+  // The ray ends a little later, so that triangles at the same range are still proposed.
   auto& embree_ray = reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray;
   embree_ray.tfar = std::min(embree_ray.tfar, padded_far(*range_m));
 }

@@ -23,7 +23,7 @@ std::optional<double> ShearedRay::range_to(const std::array<Vec3, 3>& corners) c
     y[i] = p[axis_y_] - shear_y_ * p[axis_z_];
     z[i] = scale_z_ * p[axis_z_];
   }
-  // Each edge function changes only its sign when the edge is walked the other way round, so that neighbours agree.
+  // Reversing an edge changes only the sign of its function, so that neighbours agree.
   const double u = x[2] * y[1] - y[2] * x[1];
   const double v = x[0] * y[2] - y[0] * x[2];
   const double w = x[1] * y[0] - y[1] * x[0];

@@ -16,7 +16,7 @@ std::uint32_t add_vertex(TriangleMesh& mesh, double x, double y, double z) {
   return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
 }
 
-// An upright prism over a convex outline that runs counter-clockwise.
+// An upright prism over a convex counter-clockwise outline.
 void add_prism(TriangleMesh& mesh, const std::vector<Point2>& outline, double base_m, double height_m) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const auto n = static_cast<std::uint32_t>(outline.size());
@@ -69,7 +69,7 @@ void add_mesh(TriangleMesh& mesh, const TriangleMesh& part) {
   }
 }
 
-// A rectangle under or over everything, a metre larger than the rest on each side.
+// A rectangle below or above all parts, a metre larger than these on each side.
 void add_slab(TriangleMesh& mesh, const Eigen::Vector2d& low, const Eigen::Vector2d& high, double z_m) {
   constexpr double kMargin_m = 1.0;
   const std::uint32_t a = add_vertex(mesh, low.x() - kMargin_m, low.y() - kMargin_m, z_m);
@@ -97,10 +97,10 @@ void add_slabs(TriangleMesh& mesh, const Scene& scene) {
   }
 }
 
-// The content of a mesh is checked with all vertices, see check_finished().
+// Meshes are checked with all vertices, see check_finished().
 std::vector<std::string> validate(const TriangleMesh& /*mesh*/) { return {}; }
 
-// Adds the parts one after the other; refuses one that cannot be built, and too many triangles.
+// Adds the parts in order; refuses invalid parts and too many triangles.
 template <class Part, class Add>
 void add_parts(TriangleMesh& mesh, const std::vector<Part>& parts, const char* kind, const Add& add) {
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -10,7 +10,7 @@
 namespace gdtslam::sim {
 namespace {
 
-// Names of the streams of random numbers.
+// Identifiers of the random streams.
 constexpr std::uint64_t kWheelStream = 1;
 constexpr std::uint64_t kLaserStream = 2;
 
@@ -35,7 +35,7 @@ std::vector<BeamTruth> beams_at(const SimulationConfig& config, const MotionPlan
   return beams;
 }
 
-/// Wheels, encoders and odometry, moved on from event to event.
+/// Wheels, encoders and odometry, advanced from event to event.
 class Robot {
  public:
   Robot(const SimulationConfig& config, const MotionPlan& plan)
@@ -79,7 +79,7 @@ ScanRecord make_record(const SimulationConfig& config, double stamp_s, std::vect
   return record;
 }
 
-// From a scan's first beam to its stamp, in whole microseconds.
+// Time from a scan's first beam to its stamp, in whole microseconds.
 double lead_s(const LaserModel& laser) { return std::ceil(-laser.time_of_beam_s(0) * 1e6) / 1e6; }
 
 void count_beams(const LaserModel& laser, const std::vector<float>& ranges_m, SimulationSummary& summary) {
@@ -100,7 +100,7 @@ void check_nodding(const SimulationConfig& config, std::vector<std::string>& fau
   }
 }
 
-/// Events of one kind at a fixed rate, whole microseconds.
+/// Events of one kind at a fixed rate, at whole microseconds.
 struct Beat {
   double rate_hz = 0.0;  // 0: none
   double first_s = 0.0;

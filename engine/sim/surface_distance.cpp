@@ -27,7 +27,7 @@ struct SurfaceSearch {
   double sq_best = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = 0;
 
-  /// Whether this triangle is the best so far.
+  /// Keeps this triangle if it is the best so far; returns whether it is.
   bool take(std::uint32_t candidate) {
     const double sq_distance = sq_distance_to_triangle(point_m, mesh->corners(candidate));
     if (std::pair(sq_distance, candidate) >= std::pair(sq_best, triangle)) return false;
@@ -40,7 +40,7 @@ struct SurfaceSearch {
 bool propose_triangle(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<SurfaceSearch*>(arguments->userPtr);
   if (!search.take(arguments->primID)) return false;
-  // Triangles at the same distance must still be proposed, so the sphere stays a little larger.
+  // The sphere stays a little larger, so that triangles at the same distance are still proposed.
   const auto radius = static_cast<float>(std::sqrt(search.sq_best) + kBoxPadding_m);
   if (!(radius < arguments->query->radius)) return false;
   arguments->query->radius = radius;
@@ -49,7 +49,7 @@ bool propose_triangle(RTCPointQueryFunctionArguments* arguments) {
 
 using Polygon = std::vector<Vec3>;  // convex
 
-// The part of a convex polygon on one side of a height [Sutherland1974].
+// Clips a convex polygon at a height and keeps one side [Sutherland1974].
 Polygon clipped(const Polygon& polygon, double height_m, double side) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -67,7 +67,7 @@ Polygon clipped(const Polygon& polygon, double height_m, double side) {
   return kept;
 }
 
-// The parts of all triangles between the two heights, pressed flat at height 0.
+// Projects the parts of all triangles between the two heights to height 0.
 TriangleMesh flattened(const TriangleMesh& mesh, const ClearanceQuery& query) {
   TriangleMesh flat;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -75,7 +75,7 @@ TriangleMesh flattened(const TriangleMesh& mesh, const ClearanceQuery& query) {
     const Polygon band = clipped(clipped({corners.begin(), corners.end()}, query.low_m, 1.0), query.high_m, -1.0);
     const auto first = static_cast<std::uint32_t>(flat.vertices.size());
     for (const Vec3& corner : band) flat.vertices.emplace_back(corner.x(), corner.y(), 0.0);
-    // One or two corners, where a triangle only touches a height, are a triangle without area.
+    // A triangle that only touches a height gives one or two corners: a triangle without area.
     const auto last = static_cast<std::uint32_t>(flat.vertices.size());
     for (std::uint32_t k = first; k < last && (k == first || k + 2 < last); ++k) {
       flat.triangles.push_back({first, std::min(k + 1, last - 1), std::min(k + 2, last - 1)});
@@ -92,7 +92,7 @@ double sq_distance_to_triangle(const Vec3& point_m, const std::array<Vec3, 3>& c
                              sq_distance_to_segment(point_m, c, a)});
   const Vec3 normal = (b - a).cross(c - a);
   const double sq_normal = normal.dot(normal);
-  // The foot of the perpendicular lies inside when it is on the inner side of every edge.
+  // The foot of the perpendicular is inside if it is on the inner side of every edge.
   const bool is_above = sq_normal > 0.0 && (b - a).cross(point_m - a).dot(normal) >= 0.0 &&
                         (c - b).cross(point_m - b).dot(normal) >= 0.0 && (a - c).cross(point_m - c).dot(normal) >= 0.0;
   if (is_above) {

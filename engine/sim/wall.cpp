@@ -1,4 +1,4 @@
-// Walls: what may be built, and the boxes that they are built of.
+// Walls: their limits, and their boxes.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -10,7 +10,7 @@
 namespace gdtslam::sim {
 namespace {
 
-// Comparisons are written so that a value that is not a number counts as outside.
+// Written so that a value that is not a number counts as outside.
 void require(std::vector<std::string>& faults, bool holds, const std::string& fault) {
   constexpr std::size_t kMostFaults = 100;  // a wall may have a hundred thousand doors
   if (!holds && faults.size() < kMostFaults) {
@@ -33,7 +33,7 @@ void require_upright(std::vector<std::string>& faults, double base_m, double hei
 struct WallLeg {
   Pose2 T_map_leg;  ///< origin at the leg's first point, x along the leg
   double length_m = 0.0;
-  double lead_in_m = 0.0;  ///< how far the leg is drawn out beyond its ends to close the corners
+  double lead_in_m = 0.0;  ///< extension of the leg beyond its ends to close the corners
   double lead_out_m = 0.0;
 };
 
@@ -75,7 +75,7 @@ Box make_leaf(const Wall& wall, const WallLeg& leg, const Door& door, const Door
           .height_m = std::min(door.height_m, wall.height_m)};
 }
 
-// The openings of all legs, leg after leg, each leg's along it.
+// The openings of all legs, ordered by leg and by distance along it.
 std::vector<Door> doors_in_order(const Wall& wall) {
   std::vector<Door> doors = wall.doors;
   std::stable_sort(doors.begin(), doors.end(),

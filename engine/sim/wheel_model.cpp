@@ -6,7 +6,7 @@ namespace gdtslam::sim {
 
 std::vector<std::string> validate(const WheelModel& wheels) {
   std::vector<std::string> faults;
-  // Comparisons are written so that a value that is not a number counts as outside.
+  // Written so that a value that is not a number counts as outside.
   const auto require = [&faults](double value, double low, double high, const char* fault) {
     if (!(value >= low && value <= high)) {
       faults.emplace_back(fault);

@@ -1,4 +1,4 @@
-// The backend: the verbs of compute/backend.hpp on a Vulkan device.
+// The backend: the calls of compute/backend.hpp on a Vulkan device.
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 namespace gdtslam {
 namespace {
 
-/// A device that was given up for slowness gets this long, at least, to let go of its memory.
+/// Least time for a device that was given up as too slow to release its memory.
 constexpr double kLastWait_s = 5.0;
 
 Error make_error(const std::string& message) { return {ExitCode::kFailed, message}; }
@@ -30,7 +30,7 @@ DeviceInfo device_info(const Device& device) {
   return info;
 }
 
-/// The parameters and, where the variant asks for it, the launch's extent behind them.
+/// Pushes the parameters, then the launch's extent if the variant takes it.
 void push_params(const vk::raii::CommandBuffer& commands, const VariantPipeline& pipeline, const ShaderVariant& variant,
                  const LaunchShape& shape) {
   std::array<std::byte, kMaxParamsBytes + sizeof(std::uint32_t)> bytes;
@@ -92,7 +92,7 @@ class VulkanBackendImpl final : public VulkanBackend {
   void throw_validation_messages();
   void collect(bool ask);
   void make_room(std::size_t bytes);
-  /// Runs what calls Vulkan; the first DeviceError ends the backend's life as a worker.
+  /// Runs an action with Vulkan calls; after the first DeviceError the backend stops working.
   template <class Action>
   decltype(auto) guarded(Action&& action);
 
@@ -138,8 +138,8 @@ VulkanBackendImpl::~VulkanBackendImpl() {
     return;
   }
   save_cache();
-  // The device may still work, even after a rehearsed loss. What it uses must not be destroyed under its hands: where
-  // it does not come to an end, its memory is left to the end of the process.
+  // The device may still work, even after a simulated loss, and must not lose memory in use: if it does not finish, its
+  // memory is kept until the process ends.
   const std::uint64_t last = engine_->batches.submitted();
   const VkSemaphoreWaitInfo wait = wait_info(*engine_->device.timeline(), last);
   const auto limit_ns = to_nanoseconds(std::max(wait_limit_s_, kLastWait_s));
@@ -188,7 +188,7 @@ void VulkanBackendImpl::collect(bool ask) {
   engine_->sets.collect(done);
 }
 
-// Released memory that the device still uses is waited for only where the device would else run out.
+// Waits for released memory that the device still uses, but only if the device would run out of memory otherwise.
 void VulkanBackendImpl::make_room(std::size_t bytes) {
   if (!engine_->buffers.has_released()) {
     return;
@@ -203,7 +203,7 @@ void VulkanBackendImpl::make_room(std::size_t bytes) {
 
 Buffer VulkanBackendImpl::allocate(std::size_t bytes) {
   refuse_when_failed();
-  engine_->buffers.check_size(bytes);  // outside of what is guarded: a size that is refused ends nothing
+  engine_->buffers.check_size(bytes);  // not guarded: a refused size leaves the backend usable
   const std::uint64_t id = guarded([&] {
     make_room(bytes);
     return engine_->buffers.create(bytes);
@@ -278,7 +278,7 @@ bool VulkanBackendImpl::save_cache() noexcept {
     const bool is_saved = engine_->pipelines.cache().save();
     pipelines_saved_ = is_saved ? engine_->pipelines.made() : pipelines_saved_;
     return is_saved;
-  } catch (...) {  // a cache that cannot be kept costs time at the next start, nothing else
+  } catch (...) {  // a cache that cannot be written costs only time at the next start
     return false;
   }
 }

@@ -1,4 +1,4 @@
-// All that a backend has on the device, in the order in which it is made; it goes in the reverse order.
+// All device objects of a backend in the order of creation; they are destroyed in reverse order.
 #pragma once
 
 #include "engine/vulkan/commands/barriers.hpp"
@@ -28,7 +28,7 @@ struct VulkanEngine {
   VulkanEngine& operator=(const VulkanEngine&) = delete;
   ~VulkanEngine() = default;
 
-  ValidationLog log;  ///< hears what is said while all others go
+  ValidationLog log;  ///< receives messages while all others are destroyed
   VulkanInstance instance;
   Device device;
   BarrierTracker barriers;

@@ -68,7 +68,8 @@ struct Candidate {
   void* native = EGL_DEFAULT_DISPLAY;
 };
 
-// In the order of trying: Mesa's surfaceless platform, every device of EGL_EXT_device_enumeration, the default display.
+// Candidates in the order of trial: Mesa's surfaceless platform, every device of EGL_EXT_device_enumeration, the
+// default display.
 std::vector<Candidate> egl_candidates() {
   const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   std::vector<Candidate> candidates;
@@ -95,7 +96,7 @@ EGLDisplay get_display(const Candidate& candidate) {
   return get == nullptr ? EGL_NO_DISPLAY : get(candidate.platform, candidate.native, nullptr);
 }
 
-// Makes a context to see that the display works, and asks the driver what it is.
+// Proves by a context that the display works, and reads the driver's name.
 void prove(GlDisplay& display) {
   GlContext context(display);
   context.make_current();
@@ -134,7 +135,7 @@ std::vector<std::string>& errors_of_this_thread() {
   return errors;
 }
 
-// "ERROR: In FILE, line 12 vtkClass (0x55d0): text" over several lines becomes one.
+// Joins the lines of a message such as "ERROR: In FILE, line 12 vtkClass (0x55d0): text".
 std::string one_line(const char* text) {
   std::istringstream words(text == nullptr ? "" : text);
   std::string line;
@@ -188,8 +189,8 @@ void GlContext::make_current() {
 bool GlContext::is_current() const { return eglGetCurrentContext() == context_; }
 
 std::string load_gl_functions() {
-  // GLEW keeps one table of functions and of what the driver can do for the process: it is filled once for a driver, so
-  // that nothing changes under another thread that draws.
+  // GLEW has one table of functions and driver properties per process: it is filled once per driver, so that nothing
+  // changes while another thread draws.
   static std::mutex mutex;
   static std::string filled_for;
   const std::lock_guard lock(mutex);

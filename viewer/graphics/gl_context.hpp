@@ -9,13 +9,13 @@
 
 namespace gdtslam {
 
-/// An opened display and what its contexts are like; EGL's handles are pointers, whose headers stay out of here.
-/// Displays stay open until the process ends.
+/// An opened display and the properties of its contexts; EGL's handles are pointers, so that its headers stay out of
+/// here. Displays stay open until the process ends.
 struct GlDisplay {
   std::string name;  ///< "EGL (surfaceless)"
   void* display = nullptr;
   void* config = nullptr;
-  bool has_surface = false;  ///< contexts have a pixel of their own
+  bool has_surface = false;  ///< each context has a surface of one pixel
   std::string renderer{};    ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string version{};     ///< "4.5"
 };
@@ -26,7 +26,7 @@ struct GraphicsContext::State {
 
 class GlContext {
  public:
-  /// Throws DeviceError, as make_current() does.
+  /// Throws DeviceError, like make_current().
   explicit GlContext(const GlDisplay& display);
   ~GlContext();
   GlContext(const GlContext&) = delete;
@@ -41,16 +41,16 @@ class GlContext {
   void* surface_ = nullptr;
 };
 
-/// Loads OpenGL's functions for the current context; what failed, or an empty text.
+/// Loads OpenGL's functions for the current context. Returns the failure, or an empty text.
 std::string load_gl_functions();
 
-// Messages of VTK. From the first GraphicsContext on none of them reaches the terminal: errors are kept for the thread
-// that caused them until a view asks for them; warnings are dropped.
+// Messages of VTK. After the first GraphicsContext none of them reaches the terminal: each thread's errors are kept
+// until a view asks for them; warnings are dropped.
 
-/// Takes the place of VTK's own output, and ends its log of events, once in a process.
+/// Replaces VTK's own output and ends its log of events; has an effect once per process.
 void collect_vtk_messages();
 
-/// One line for each error that came up in this thread since the last call.
+/// One line for each error in this thread since the last call.
 std::vector<std::string> take_vtk_errors();
 
 }  // namespace gdtslam

@@ -23,20 +23,20 @@
 namespace gdtslam {
 namespace {
 
-// OpenGL leaves out points whose centre lies beyond the band, however large they are: of its props none is wider.
+// OpenGL skips points whose centre is outside the band, however large they are; none of its props is wider than this.
 constexpr std::uint32_t kBandMargin = 4;
-// Some 40 bytes a pixel. A band of a picture costs a few milliseconds, and clouds need the memory themselves.
+// Some 40 bytes per pixel. Each band costs a few milliseconds, and clouds need the memory themselves.
 constexpr std::uint32_t kPointsBandPixels = 1U << 20U;
 constexpr std::uint32_t kShapesBandPixels = 1U << 22U;
 
-/// VTK's window upon a context of ours: no window system, nothing on a screen; pictures are read from its framebuffer.
+/// VTK's window on one of our contexts: without a window system; pictures are read from its framebuffer.
 class RenderWindow : public vtkGenericOpenGLRenderWindow {
  public:
   static RenderWindow* New();
 
   /// The context must outlive the window.
   void set_context(GlContext* context) { context_ = context; }
-  /// Why OpenGL's functions could not be loaded; empty where they were.
+  /// Reason why OpenGL's functions could not be loaded; empty on success.
   [[nodiscard]] const std::string& loading_failure() const { return loading_failure_; }
 
   void OpenGLInitContext() override;
@@ -69,7 +69,7 @@ RenderWindow::RenderWindow() {
   this->SetIsDirect(1);
 }
 
-// VTK's own code, but for the result of glewInit that says "no X display" after everything was loaded.
+// VTK's own code, except that it accepts glewInit's result "no X display", which comes after everything is loaded.
 void RenderWindow::OpenGLInitContext() {
   this->ContextCreationTime.Modified();
   if (this->Initialized) return;
@@ -99,7 +99,7 @@ struct OffscreenView::State {
 
   explicit State(const GraphicsContext& graphics) : context(graphics.state().display) {}
   ~State() {
-    // VTK frees its buffers in the context they belong to.
+    // VTK frees its buffers in their own context.
     context.make_current();
     window->Finalize();
   }
@@ -132,7 +132,7 @@ void throw_errors_of_vtk() {
   if (!errors.empty()) throw DeviceError("VTK", "rendering", errors.front());
 }
 
-/// Nearest and farthest distance along the view of the corners of what is shown.
+/// Nearest and farthest distance along the view to the corners of the bounds.
 std::array<double, 2> depth_span(const std::array<double, 6>& bounds, const Point3& eye, const Point3& ahead) {
   std::array<double, 2> span{1e300, -1e300};
   for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -157,7 +157,8 @@ std::array<double, 6> visible_bounds(vtkRenderer& renderer, const PictureLayer* 
   return all;
 }
 
-/// The view's camera and range so that nothing before the eye (of a parallel camera: nothing at all) is cut off.
+/// Sets the view's camera and range so that nothing in front of the eye is clipped (for a parallel camera: nothing at
+/// all).
 void set_range(PictureView& view, const std::array<double, 6>& bounds) {
   Camera& camera = view.camera;
   const double distance = (camera.target - camera.eye).norm();
@@ -172,7 +173,7 @@ void set_range(PictureView& view, const std::array<double, 6>& bounds) {
       span = {span[0] + back, span[1] + back};
     }
     range.farthest_m = std::max(span[1] + margin, 1e-3 * distance);
-    // One stray point far out must not take away what the camera is pointed at.
+    // A single outlier far away must not clip the camera's target.
     range.nearest_m = std::max(span[0] - margin, 1e-3 * std::min(range.farthest_m, 100.0 * distance));
   }
   // 0.6 rad, the view angle of a Camera by default: 1/(2 tan 0.3).
@@ -180,7 +181,7 @@ void set_range(PictureView& view, const std::array<double, 6>& bounds) {
   view.range = range;
 }
 
-/// VTK's camera upon a band: the slopes, or of a parallel camera the metres, of its lower and upper edge.
+/// Points VTK's camera at a band by the slopes of its lower and upper edge, or metres for a parallel camera.
 void point_camera(vtkRenderer& renderer, const PictureView& view, const PictureBand& band) {
   const Camera& camera = view.camera;
   const double low = 2.0 * band.first_row / view.height - 1.0;
@@ -241,7 +242,7 @@ bool has_translucent_props(vtkRenderer& renderer) {
   return false;
 }
 
-/// Over black that does not cover, so that colours come out premultiplied by what they cover.
+/// Draws over transparent black, so that colours are premultiplied by their coverage.
 RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool with_depth) {
   RawPicture picture = drawn_over({0, 0, 0}, 0.0, window, renderer, with_depth);
   // VTK blends translucent props with the right colours but squares their alpha.
@@ -256,7 +257,7 @@ RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool 
 std::vector<PictureBand> cut_into_bands(std::uint32_t width, std::uint32_t height, const BandShape& shape) {
   const auto& [samples, margin, most_pixels] = shape;
   if (width * std::uint64_t{height} <= most_pixels) return {{0, height, 0, height}};
-  // At least as many rows are kept as are drawn for their sake alone.
+  // Keeps at least as many rows as it draws only for the margin.
   const std::uint32_t wanted = std::max(most_pixels / width, 4 * margin + samples);
   const std::uint32_t kept = std::max((wanted - std::min(wanted, 2 * margin)) / samples, 1U) * samples;
   const std::uint32_t rows = std::min(height, kept + 2 * margin);
@@ -301,7 +302,7 @@ RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
   check_size(size, s.samples, s.largest_side);
   s.context.make_current();
-  // A pixel of pictures up to 720 rows high, and more of larger ones.
+  // One pixel for pictures up to 720 rows, more for larger ones.
   const std::uint32_t radius = s.samples * std::max(1U, (size.height + 360U) / 720U);
   const std::uint32_t margin = std::max(s.has_eye_dome ? shading_reach(radius) : 0, kBandMargin * s.samples);
   PictureView view{

@@ -23,19 +23,19 @@ class OffscreenView {
 
   [[nodiscard]] vtkRenderer& renderer();
   void set_background(Colour colour, bool is_transparent);
-  /// A layer is drawn beside VTK's props; it must live while pictures are drawn. None by default. VTK's translucent
-  /// props, which have no depth, stay behind it.
+  /// Sets a layer to draw together with VTK's props; it must live while pictures are drawn. None by default. VTK's
+  /// translucent props, which have no depth, stay behind it.
   void set_layer(PictureLayer* layer);
-  /// Eye-dome lighting, so that the depth of clouds reads [Boucheny2009]; off by default.
+  /// Eye-dome lighting, which shows the depth of clouds [Boucheny2009]; off by default.
   void set_eye_dome(bool is_on);
-  /// Samples per pixel side: rendered larger and averaged; 1 to 4.
+  /// Samples per pixel side, 1 to 4: the picture is rendered larger and averaged.
   void set_samples(std::uint32_t samples);
-  /// Point sizes and line widths count in pixels of what is rendered: multiply those of the picture by this.
+  /// Point sizes and line widths are in rendered pixels: multiply those of the picture by this.
   [[nodiscard]] std::uint32_t samples() const;
-  /// Throws UsageError for a side beyond what OpenGL can do (samples included), with the limit; DeviceError for what
-  /// VTK or OpenGL fail at; std::bad_alloc. Nothing before the camera is cut off, and nothing at all by a parallel one.
-  /// Costs a millisecond for each 100 000 pixels, samples counted, twice that with eye-dome lighting; what VTK draws
-  /// comes on top.
+  /// Throws UsageError for a side beyond OpenGL's limit (samples included), with the limit; DeviceError for failures of
+  /// VTK or OpenGL; std::bad_alloc. Nothing in front of the camera is clipped, and nothing at all by a parallel one.
+  /// Costs a millisecond per 100 000 pixels, samples included, and twice that with eye-dome lighting, plus VTK's own
+  /// time.
   RgbaImage render(const Camera& camera, const PictureSize& size);
 
  private:

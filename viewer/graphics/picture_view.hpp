@@ -1,7 +1,7 @@
-// A picture while it is drawn: the visible part of the scene, the bands of rows, and the work of the host on each band,
-// which is eye-dome lighting and the averaging of samples. Bands are drawn one after the other, so that no buffer is as
-// large as the picture with all its samples. Pixels here are samples; rows count from the bottom, as OpenGL reads them;
-// colours are premultiplied by alpha. Pure functions; time linear in the pixels.
+// A picture during drawing: the visible part of the scene, the bands of rows, and the host's work on each band
+// (eye-dome lighting, averaging of samples). Bands are drawn one after the other, so no buffer is as large as the
+// picture with all its samples. Pixels here are samples; rows count from the bottom, as OpenGL reads them; colours are
+// premultiplied by alpha. Pure functions; time linear in the pixels.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@ struct RawPicture {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<std::uint8_t> rgba;  ///< 4 per pixel
-  std::vector<float> depth;        ///< 0 near to 1 far, 1 where nothing was drawn; empty unless asked for
+  std::vector<float> depth;        ///< 0 near to 1 far, 1 if nothing was drawn; empty unless requested
 };
 
-/// How the numbers of a depth buffer become distances.
+/// Conversion of depth buffer values to distances.
 struct DepthRange {
   double nearest_m = 1.0;
   double farthest_m = 2.0;
@@ -30,10 +30,10 @@ struct DepthRange {
   double equivalent_m = 1.0;
 };
 
-/// Darkens every pixel that lies behind its neighbours [Boucheny2009], over three rings of neighbours: `radius` pixels
-/// away, twice and four times as far, so that an edge casts a soft shadow on what is behind it. Tilted planes keep
-/// their colours, because 1/depth is linear over the picture of a plane. Surfaces in front of the empty background keep
-/// theirs too. Consumes the depth.
+/// Darkens every pixel that lies behind its neighbours [Boucheny2009]. Three rings of neighbours (`radius` pixels away,
+/// twice and four times as far) give edges a soft shadow on the surface behind. Tilted planes keep their colours,
+/// because 1/depth is linear over the picture of a plane; so do surfaces in front of the empty background. Consumes the
+/// depth.
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius);
 /// Distance of the farthest neighbours that shading with this radius reads, pixels.
 std::uint32_t shading_reach(std::uint32_t radius);
@@ -42,14 +42,14 @@ std::uint32_t shading_reach(std::uint32_t radius);
 /// background.
 void set_alpha_from(RawPicture& over_black, const RawPicture& over_white);
 
-/// Rows of a picture that are averaged, and their place in the image. Both count from the bottom.
+/// Rows of a picture to average, and their place in the image. Both count from the bottom.
 struct AveragedRows {
   std::uint32_t first = 0;      ///< in the picture
   std::uint32_t image_row = 0;  ///< in the image
   std::uint32_t count = 0;      ///< rows of the image
 };
-/// Writes the means of samples x samples pixels each to rows of an image. If `is_premultiplied`, the image gets colours
-/// that no longer are.
+/// Writes the means of samples x samples pixels each to rows of an image. If `is_premultiplied`, divides the colours by
+/// alpha.
 void average_rows(const RawPicture& picture, const AveragedRows& rows, std::uint32_t samples, bool is_premultiplied,
                   RgbaImage& image);
 
@@ -69,7 +69,7 @@ struct PictureView {
   std::vector<PictureBand> bands;
 };
 
-/// How a picture is cut.
+/// Division of a picture into bands.
 struct BandShape {
   std::uint32_t samples = 1;              ///< rows of samples per pixel; each band keeps whole pixels
   std::uint32_t margin = 0;               ///< extra rows on both sides, within the picture

@@ -7,24 +7,25 @@
 namespace gdtslam {
 namespace {
 
-/// Up to this share a neighbour's rise is a plane's tilt wherever the opposite one falls as much or more: a plane so
-/// flat that its depth doubles within twenty pixels. Beyond, only a fall that equals the rise speaks for a plane.
+/// Up to this share a neighbour's rise is a plane's tilt if the opposite neighbour falls at least as much; the limit is
+/// a plane so flat that its depth doubles within twenty pixels. Above it, only a fall equal to the rise indicates a
+/// plane.
 constexpr float kTilt = 0.05F;
-/// Steps of depth beyond this share darken no more, so that far and near edges look alike.
+/// Larger steps of depth darken no more, so that far and near edges look alike.
 constexpr float kLargestStep = 0.04F;
 /// Rings of neighbours, each twice as wide as the one before.
 constexpr std::uint32_t kShadingRings = 3;
 
-/// Nearness of every pixel, that is 1/distance up to a factor, 0 where nothing was drawn; with a rim of nothing, as
-/// wide as the widest ring.
+/// Nearness of every pixel, 1/distance up to a factor, 0 if nothing was drawn; with an empty rim as wide as the widest
+/// ring.
 class Nearness {
  public:
   Nearness(const RawPicture& picture, const DepthRange& range, std::uint32_t rim)
       : stride_(std::ptrdiff_t{picture.width} + 2 * std::ptrdiff_t{rim}),
         rim_(rim),
         values_(static_cast<std::size_t>(stride_) * (picture.height + 2 * std::size_t{rim})) {
-    // The depth buffer of a perspective camera is linear in 1/distance; that of a parallel one in the distance, which
-    // its pictures keep linear over planes.
+    // The depth buffer of a perspective camera is linear in 1/distance, that of a parallel one in the distance. Both
+    // are linear over the picture of a plane.
     const double span = range.farthest_m - range.nearest_m;
     const auto factor = static_cast<float>(span / (range.is_parallel ? range.equivalent_m : range.farthest_m));
     const auto least = range.is_parallel ? 1.0F : static_cast<float>(range.nearest_m / range.farthest_m);
@@ -45,12 +46,12 @@ class Nearness {
   std::vector<float> values_;
 };
 
-/// Multiplies the row's shades by 1 + how much nearer two opposite neighbours are than the pixel between them, as a
-/// share, without what a plane's tilt explains. `scale` makes shares of steps.
+/// Multiplies the row's shades by 1 + the relative rise of two opposite neighbours towards the viewer, without the part
+/// that a plane's tilt explains. `scale` converts steps to shares.
 [[gnu::noinline]] void add_steps(const float* centre, const float* one, const float* other, const float* scale,
                                  float tilt, std::size_t width, float* __restrict shade) {
-  // No arithmetic within the choices, no traps (viewer/CMakeLists.txt), and a call of its own, so that GCC believes
-  // that nothing overlaps: then it does four pixels at once.
+  // For vectorisation by four: no arithmetic in the conditionals, no traps (viewer/CMakeLists.txt), and a function of
+  // its own, so that GCC trusts __restrict.
   for (std::size_t x = 0; x < width; ++x) {
     const float to_a = one[x] - centre[x];
     const float to_b = other[x] - centre[x];
@@ -82,7 +83,7 @@ void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t 
   std::vector<float> shade;
   shade.reserve(picture.width);
   for (std::uint32_t y = 0; y < picture.height; ++y) {
-    // Pixels outside the drawn stretch stay the same.
+    // Pixels outside the drawn part of the row are unchanged.
     const float* row = nearness.row(y);
     std::size_t first = 0;
     std::size_t end = picture.width;

@@ -1,7 +1,6 @@
-// Cameras: their axes, the ones that show a whole box, and cameras as text. For a given direction the nearest camera is
-// exact: in the camera's axes a point (u, v, w) is in the picture while |u - a| <= (w + d) t, and the least distance d
-// of the camera follows from the extremes of u - w t and u + w t over the points; v alike. Its shift a is what is left
-// to choose.
+// Cameras: their axes, those that show a whole box, and cameras as text. The nearest camera for a direction is exact.
+// In the camera's axes a point (u, v, w) is in the picture if |u - a| <= (w + d) t. The least distance d follows from
+// the extremes of u - w t and u + w t over the points; likewise for v. Only the shift a is left to choose.
 #include "gdtslam/viewer/camera.hpp"
 
 #include <fmt/format.h>
@@ -21,11 +20,11 @@ namespace gdtslam {
 namespace {
 
 constexpr double kFollowHeight_m = 1.9;    // below ceilings, above furniture
-constexpr double kFollowLookedAt_m = 0.6;  // above the floor: more is to be seen before the robot than behind it
+constexpr double kFollowLookedAt_m = 0.6;  // above the floor: the picture shows more ahead of the robot than behind it
 constexpr double kFollowAhead_m = 0.8;
 constexpr double kFollowViewAngleRad = 0.95;
 
-constexpr double kOrbitMarginShare = 0.02;  // corners come there but in passing
+constexpr double kOrbitMarginShare = 0.02;  // corners are there only in passing
 constexpr double kMarginShare = 0.06;       // share of the picture, on each side
 constexpr double kIsoSlopeRad = 0.663;      // 38 degrees
 constexpr double kIsoTurnRad = 0.4887;      // 28 degrees between the line of sight and the normal of the longer side
@@ -52,7 +51,7 @@ std::vector<Point3> box_corners(const Bounds& box) {
   return corners;
 }
 
-// The distance that one direction of the picture asks for, wherever along it the camera is.
+// Distance required by one direction of the picture, with the best shift.
 double least_distance_m(const Point3& axis, const Point3& forward, double slope, const Point3& centre,
                         const std::vector<Point3>& points) {
   double low = -1e300;
@@ -66,8 +65,8 @@ double least_distance_m(const Point3& axis, const Point3& forward, double slope,
   return 0.5 * (low - high) / slope;
 }
 
-// The shift at which the points are as far from one edge of the picture as from the other, at this distance; exact for
-// the direction that asks for the distance, in which nothing is left to choose.
+// The shift that centres the points between two edges of the picture at this distance. It is exact for the direction
+// that determines the distance, which leaves no choice.
 double centring_shift_m(const Point3& axis, const Point3& forward, double distance_m, const Point3& centre,
                         const std::vector<Point3>& points) {
   const auto lean = [&](double shift_m) {
@@ -93,7 +92,7 @@ double centring_shift_m(const Point3& axis, const Point3& forward, double distan
   return 0.5 * (below + above);
 }
 
-// Line of sight of the iso camera; the eye is that much west of south.
+// Line of sight of the iso camera; the eye is turned west of south by this angle.
 Point3 iso_sight(double west_of_south_rad) {
   const SinCos<double> slope = sin_cos(kIsoSlopeRad);
   const SinCos<double> heading = sin_cos(west_of_south_rad);
@@ -189,7 +188,7 @@ bool Bounds::holds(const Point3& point) const {
 CameraBasis camera_basis(const Camera& camera) {
   const Point3 forward = (camera.target - camera.eye).normalized();
   Point3 right = forward.cross(camera.up.normalized());
-  // An up along the line of sight says nothing: take the first axis that does.
+  // If up is along the line of sight, it is replaced by the first axis that is not.
   if (right.norm() < 1e-9) right = forward.cross(Point3::UnitY());
   if (right.norm() < 1e-9) right = forward.cross(Point3::UnitZ());
   right.normalize();
@@ -276,20 +275,20 @@ Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSi
 }
 
 Camera orbit_camera(const Bounds& bounds, const PictureSize& size) {
-  constexpr int kDirections = 64;  // around the cylinder that the turning box sweeps; at most 0.12 % of its radius off
+  constexpr int kDirections = 64;  // around the cylinder swept by the turning box; error at most 0.12 % of its radius
   const Bounds box = shown(bounds);
   const Point3 half = 0.5 * (box.highest - box.lowest);
   const double radius_m = std::sqrt(half.x() * half.x() + half.y() * half.y());
   const Point3 sight = iso_sight(kIsoTurnRad);
   std::vector<Point3> rims;
   for (int k = 0; k < kDirections; ++k) {
-    const SinCos<double> direction = sin_cos(kTwoPi * k / kDirections - kIsoTurnRad);  // alike on both sides
+    const SinCos<double> direction = sin_cos(kTwoPi * k / kDirections - kIsoTurnRad);  // symmetric on both sides
     for (const double z : {box.lowest.z(), box.highest.z()}) {
       rims.emplace_back(box.centre().x() + radius_m * direction.cos, box.centre().y() + radius_m * direction.sin, z);
     }
   }
   Camera camera = nearest_camera(sight, kIsoViewAngleRad, box.centre(), rims, size, kOrbitMarginShare);
-  // The target moves along the line of sight to the box's axis, about which the camera turns.
+  // Moves the target along the line of sight to the box's axis, about which the camera turns.
   const CameraBasis basis = camera_basis(camera);
   const Point3 level(basis.forward.x(), basis.forward.y(), 0.0);
   camera.target += basis.forward * (level.dot(box.centre() - camera.target) / level.dot(level));

@@ -12,9 +12,9 @@
 namespace gdtslam::picture {
 namespace {
 
-/// From this many pixels a cell on, cells are squares; below, squares of unequal size would show.
+/// From this many pixels per cell on, cells are squares; below it squares of unequal size would be visible.
 constexpr double kSquaresFromPx = 2.0;
-/// How dark a pixel with a single occupied cell is at least, however many cells lie under it.
+/// Least darkness of a pixel with a single occupied cell, however many cells it covers.
 constexpr double kLoneCellDarkness = 0.5;
 
 void put(RgbaImage& image, std::uint32_t x, std::uint32_t y, const CellColour& colour) {
@@ -25,14 +25,14 @@ void put(RgbaImage& image, std::uint32_t x, std::uint32_t y, const CellColour& c
   pixel[3] = colour.alpha;
 }
 
-/// Which cells lie under the pixels of one axis: pixel k spans `first + k * step` to one step more, in cells.
+/// Cells under the pixels of one axis: pixel k spans `first + k * step` to one step more, in cells.
 struct PixelAxis {
   double first = 0.0;
   double step = 1.0;
   std::int32_t cells = 0;
   std::uint32_t pixels = 0;
   [[nodiscard]] double begin(std::uint32_t pixel) const { return first + step * pixel; }
-  /// `cell` as an index that the grid has, or its end.
+  /// `cell` as a valid index of the grid, or its end.
   [[nodiscard]] std::int32_t held(double cell) const {
     return static_cast<std::int32_t>(std::clamp(cell, 0.0, static_cast<double>(cells)));
   }
@@ -53,13 +53,13 @@ Axes pixel_axes(const GridGeometry& geometry, const MapFrame& frame) {
            static_cast<std::uint32_t>(frame.panel.height_px)}};
 }
 
-/// The cells that the panel shows, at least in part.
+/// Cells at least partly inside the panel.
 CellBox shown_cells(const Axes& axes) {
   return {{axes.x.held(std::floor(axes.x.first)), axes.y.held(std::floor(axes.y.first))},
           {axes.x.held(std::ceil(axes.x.begin(axes.x.pixels))), axes.y.held(std::ceil(axes.y.begin(axes.y.pixels)))}};
 }
 
-/// One pixel a cell.
+/// One pixel per cell.
 PlacedImage square_cells(const GridGeometry& geometry, const MapFrame& frame,
                          const std::function<CellColour(CellIndex)>& colour_of_cell) {
   const CellBox box = shown_cells(pixel_axes(geometry, frame));
@@ -83,7 +83,7 @@ struct Areas {
   std::vector<double> occupied;
 };
 
-/// Stretch of a pixel on its axis, and the cells that it meets.
+/// Extent of a pixel on its axis, and the cells that it overlaps.
 struct PixelSpan {
   double begin = 0.0;
   double end = 0.0;
@@ -105,7 +105,7 @@ std::vector<PixelSpan> pixel_spans(const PixelAxis& axis) {
   return spans;
 }
 
-/// Adds `weight` times what the row of cells has under each pixel.
+/// Adds the row's areas under each pixel, times `weight`.
 void add_row(std::span<const CellState> row, const std::vector<PixelSpan>& spans, double weight, Areas& areas) {
   for (std::size_t k = 0; k < spans.size(); ++k) {
     for (std::int32_t x = spans[k].first; x < spans[k].last; ++x) {
@@ -116,7 +116,7 @@ void add_row(std::span<const CellState> row, const std::vector<PixelSpan>& spans
   }
 }
 
-/// Walls count more than their area: a wall of one cell would fade to nothing among ten free ones.
+/// Walls count more than their area: a wall of one cell would vanish among ten free ones.
 double wall_darkness(double occupied_cells, double pixel_cells) {
   const double share = std::min(1.0, occupied_cells / pixel_cells);
   return (1.0 - kLoneCellDarkness) * std::sqrt(share) +
@@ -127,7 +127,7 @@ CellColour mean_colour(double free, double occupied, double all, const MapColour
   const double open = std::max(1e-12, all - occupied);
   const double free_share = std::clamp(free / open, 0.0, 1.0);
   const double darkness = wall_darkness(occupied, all);
-  // The wall over what is free over nothing.
+  // The wall is drawn over the free area, over a transparent background.
   const double alpha = darkness + (1.0 - darkness) * free_share;
   const double wall_share = alpha > 0.0 ? darkness / alpha : 0.0;
   return {mixed(colours.free, colours.wall, wall_share), mixed(0, 255, alpha)};
@@ -187,7 +187,7 @@ PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, con
 }  // namespace
 
 void draw(Canvas& canvas, const PlacedImage& placed) {
-  if (placed.image == nullptr) return;  // the panel shows no part of the grid
+  if (placed.image == nullptr) return;  // no part of the grid is in the panel
   canvas.picture({placed.at.left_px, placed.at.top_px}, placed.at.width_px, placed.at.height_px, placed.image, false);
 }
 

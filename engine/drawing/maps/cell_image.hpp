@@ -1,6 +1,5 @@
-// The cells of a map or a field as an image for a frame: each cell one pixel where the picture has more pixels than
-// cells (shown as squares), else each pixel from the cells under it, such that no thin wall is lost. Thread-safe;
-// O(cells + pixels).
+// The cells of a map or a field as an image: one pixel per cell if the picture has more pixels than cells (shown as
+// squares), else each pixel combines its cells so that no thin wall is lost. Thread-safe; O(cells + pixels).
 #pragma once
 
 #include <array>
@@ -16,7 +15,7 @@
 
 namespace gdtslam::picture {
 
-/// An image and where it lies in the picture.
+/// An image and its position in the picture.
 struct PlacedImage {
   Panel at;
   std::shared_ptr<const RgbaImage> image;
@@ -28,9 +27,9 @@ struct MapColours {
   Colour free;
   Colour unknown;
 };
-/// Unknown cells are clear.
+/// Unknown cells are transparent.
 PlacedImage occupancy_image(const OccupancyMap& map, const MapFrame& frame, const MapColours& colours);
-/// The cells of a map, on a page of the unknown's colour; walls are explained. The map must outlive the layer.
+/// Layer with the cells of a map on a page of the unknown's colour; the legend explains walls. The map must outlive it.
 MapLayer wall_layer(const OccupancyMap& map, const MapColours& colours);
 
 /// Colour and opacity of a value of the field.
@@ -39,9 +38,9 @@ struct CellColour {
   std::uint8_t alpha = 255;
 };
 using FieldColours = std::function<CellColour(std::uint16_t)>;
-/// Throws InputError if the field lacks cells or has cap 0; every picture of a field relies on it.
+/// Throws InputError if the field has too few cells or cap 0; every picture of a field relies on it.
 void check(const FieldPicture& field);
-/// A pixel shows the least distance of the cells whose centres lie under it.
+/// A pixel shows the least distance of the cells with centres in it.
 PlacedImage field_image(const FieldPicture& field, const MapFrame& frame, const FieldColours& colours);
 
 }  // namespace gdtslam::picture

@@ -1,4 +1,4 @@
-// The graph of a run over its map, and one moment of its loops being closed.
+// The graph of a run over its map, and one moment of its loop closing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,13 +21,13 @@ namespace {
 
 using namespace picture;
 
-/// Pale, so that lines over walls are seen.
+/// Pale colours, so that lines over walls are visible.
 constexpr MapColours kGraphMap{colour_for(0x868c95), ink::kCard, colour_for(0xebe9e3)};
 constexpr Colour kPathInk = colour_for(0x3b4552);
 constexpr double kPathPx = 1.7;
-constexpr double kEllipsePx = 30.0;     // times `unit`: the largest that is enlarged,
-constexpr double kEllipseStep = 56.0;   // from one to the next along the path,
-constexpr double kEllipseApart = 26.0;  // and of those of other visits
+constexpr double kEllipsePx = 30.0;     // in `unit`: larger ellipses are not enlarged
+constexpr double kEllipseStep = 56.0;   // spacing along the path
+constexpr double kEllipseApart = 26.0;  // distance from those of other visits
 constexpr double kMostEnlarged = 1.0e4;
 constexpr double kSigmas = 3.0;
 constexpr int kEllipsePoints = 48;
@@ -48,7 +48,7 @@ Colour loop_colour(double weight) {
   return mixed(kWeakLoop, kStrongLoop, std::clamp((weight - kLeastWeight) / (1.0 - kLeastWeight), 0.0, 1.0));
 }
 
-/// The points of a covariance's ellipse around its pose, by the covariance's own root.
+/// Points of a covariance's ellipse around its pose, from the covariance's square root.
 std::vector<Point2> ellipse_around(const Point2& centre, const PoseCovariance& c, double px_per_sigma) {
   const double across = std::sqrt(std::max(0.0, c.xx));
   const double slant = across > 0.0 ? c.xy / across : 0.0;
@@ -109,9 +109,9 @@ LegendItem ellipse_item(const std::string& every, double factor, const LegendLoo
       "3 sigma" + every + (factor > 1.0 ? fmt::format(", {:g} times as large", factor) : ""), look);
 }
 
-/// How ellipses are drawn: every so many metres of path, so many times as large.
+/// Spacing of ellipses in metres of path, and their enlargement.
 struct EllipseScale {
-  double every_m = 0.0;  ///< 0: nothing is known
+  double every_m = 0.0;  ///< 0: no covariances
   double factor = 1.0;
 };
 EllipseScale ellipse_scale(const GraphOverlay& overlay, double px_per_m, const Proportions& sizes) {
@@ -121,7 +121,7 @@ EllipseScale ellipse_scale(const GraphOverlay& overlay, double px_per_m, const P
   return {round_length_m(2.0 * kEllipseStep * sizes.unit / px_per_m), ellipse_factor(sigma_m, px_per_m, sizes)};
 }
 
-/// At the poses every so many metres, in each place the one that is least sure.
+/// Draws ellipses at the given spacing; in each place that of the least certain pose.
 void draw_ellipses(Canvas& canvas, const MapFrame& frame, const GraphOverlay& overlay, const Proportions& sizes) {
   const EllipseScale scale = ellipse_scale(overlay, frame.px_per_m, sizes);
   if (scale.every_m <= 0.0) return;
@@ -175,7 +175,7 @@ void draw_graph(Canvas& canvas, const MapFrame& frame, const GraphOverlay& overl
                       {std::nullopt, kPathPx * sizes.unit});
   draw_dots(canvas, frame, overlay.trajectory, overlay.keyframes, kNodePx * sizes.unit, ink);
   draw_ellipses(canvas, frame, overlay, sizes);
-  for (const bool is_on : {true, false}) {  // loops that are switched off lie on top: there are few
+  for (const bool is_on : {true, false}) {  // loops switched off are few and drawn on top
     for (const LoopLine& loop : overlay.loops) {
       const Point2 from = frame.to_pixel(overlay.trajectory[loop.from].T_map_base.translation());
       const Point2 to = frame.to_pixel(overlay.trajectory[loop.to].T_map_base.translation());
@@ -241,12 +241,12 @@ void check_graph(const GraphOverlay& overlay) {
 constexpr MapColours kLoopsMap{colour_for(0x59616c), ink::kCard, colour_for(0xebe9e3)};
 constexpr Colour kGlow = colour_for(0xff8a1f);
 constexpr Colour kRobot = colour_for(0xd9480f);
-constexpr double kWallPx = 1.6;      // times `unit`: the side of what is drawn of a wall
-constexpr double kWallShade = 0.55;  // shade of a wall seen once; more sights make it darker
+constexpr double kWallPx = 1.6;      // in `unit`: side of a wall's square
+constexpr double kWallShade = 0.55;  // shade of a wall seen once; further views darken it
 constexpr double kRobotPx = 7.0;
 constexpr double kGlowPx = 13.0;
 
-/// Squares around points, shade upon shade.
+/// Squares around points, with accumulating shades.
 class WallImage {
  public:
   explicit WallImage(const Panel& panel)
@@ -265,7 +265,7 @@ class WallImage {
   [[nodiscard]] std::shared_ptr<const RgbaImage> image() const { return image_; }
 
  private:
-  /// The pixels whose middle lies between; at least the one around the middle, where the sheet has it.
+  /// Pixels with centres in between; at least the middle one, if it is on the sheet.
   static std::pair<std::uint32_t, std::uint32_t> pixels_between(double from, double to, std::uint32_t count) {
     double begin = std::ceil(from - 0.5);
     double end = std::ceil(to - 0.5);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStrayShare = 0.004;
 
-/// First and past-the-last index when at most `spare` counts may be cut off at either end.
+/// First and end index if at most `spare` counts may be cut off at either end.
 std::pair<std::int32_t, std::int32_t> trimmed(const std::vector<std::uint64_t>& counts, std::uint64_t spare) {
   std::size_t begin = 0;
   std::size_t end = counts.size();
@@ -27,7 +27,7 @@ Proportions picture_proportions(const PictureSize& size) {
   const double width = static_cast<double>(size.width);
   const double height = static_cast<double>(size.height);
   const double by_area = std::sqrt(width * height / (1600.0 * 1200.0));
-  const double by_side = std::min(width, height) / 800.0;  // a narrow sheet has no room for what its area would allow
+  const double by_side = std::min(width, height) / 800.0;  // a narrow sheet has less room than its area suggests
   const double unit = std::max(0.5, std::min(by_area, by_side));
   Proportions sizes;
   sizes.unit = unit;
@@ -93,12 +93,12 @@ MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Traje
   return {all.min_x_m - margin_m, all.min_y_m - margin_m, all.max_x_m + margin_m, all.max_y_m + margin_m};
 }
 
-// Free cells do not count: beams through windows reach far and would shrink the building.
+// Free cells are ignored: beams through windows reach far and would shrink the building.
 MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
   CellBox box = bounding_cells(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
   const CellBox known =
       bounding_cells(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
-  // A post in an open hall is not what the picture is about.
+  // A post in an open hall is not the subject of the picture.
   constexpr std::int32_t kPost = 4;
   if (kPost * box.width() < known.width() && kPost * box.height() < known.height()) box = known;
   if (box.empty()) box = {{0, 0}, {map.geometry.width, map.geometry.height}};

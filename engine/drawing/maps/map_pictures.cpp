@@ -45,7 +45,7 @@ MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
   return with_path(map_area(geometry, box), geometry, trajectory, std::max(reach_m, 2.0 * geometry.resolution_m));
 }
 
-/// How the field's values become colours.
+/// Colours of the field's values.
 struct FieldLook {
   const ColourMap& map;
   bool is_intensity = true;
@@ -66,7 +66,7 @@ FieldLook field_look(const MapLook& look) {
   return {colour_map(look.colour_map.empty() ? "lagoon" : look.colour_map), false, 0.0, kPaper};
 }
 
-/// Table of the colour of each value, because a field has millions of cells.
+/// Table with the colour of each value, because a field has millions of cells.
 FieldColours colour_table(const FieldLook& look, std::uint16_t cap, bool is_transparent) {
   std::vector<CellColour> table;
   for (std::uint32_t value = 0; value < cap; ++value) table.push_back({look.at(static_cast<double>(value) / cap), 255});
@@ -98,7 +98,7 @@ constexpr Colour kAppeared = ink::kCoupler;
 constexpr Colour kGone = ink::kCrank;
 constexpr Colour kDrive = colour_for(0x9db7a8);
 
-// Draws neighbouring cells as one rectangle, and no rectangle too small to be seen.
+// Draws runs of cells as one rectangle, and no rectangle too small to see.
 void draw_cells(Canvas& canvas, const MapFrame& frame, const GridGeometry& grid, const ChangesLayer& layer,
                 Colour colour, const Proportions& sizes) {
   const double grown = std::max(0.0, 0.5 * (1.6 * sizes.line_px - grid.resolution_m * frame.px_per_m));
@@ -152,8 +152,8 @@ MapLayer changes_layer(const GridGeometry& grid, const ChangesLayer& layer, cons
 
 constexpr Colour kTruth = colour_for(0x9aa0a8);
 constexpr Colour kNoError = colour_for(0xc3c7cc);  ///< a pose without a true pose
-constexpr double kTruthWidths = 2.6;               ///< width of the truth under other paths, in widths of a path's line
-constexpr double kErrorWidths = 2.2;               ///< width of a path whose colour is read, in the same unit
+constexpr double kTruthWidths = 2.6;               ///< width of the truth below other paths, in widths of a path's line
+constexpr double kErrorWidths = 2.2;               ///< width of a path with meaningful colours, in the same unit
 
 /// The area of the poses, with a margin.
 MapArea area_of_paths(const std::vector<const Trajectory*>& paths) {
@@ -188,8 +188,8 @@ struct ErrorScale {
   bool ends_early = false;
 };
 
-/// A few very large errors would leave one colour for all the others. So if the largest is far above the 99th
-/// percentile, the scale ends at that percentile and says so.
+/// A few very large errors would leave one colour for all the others. If the largest is far above the 99th percentile,
+/// the scale ends at that percentile, and the picture says so.
 ErrorScale error_scale(const PathErrors& path) {
   constexpr double kShare = 0.99;
   constexpr double kFar = 1.5;

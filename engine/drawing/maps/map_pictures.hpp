@@ -1,6 +1,6 @@
-// Pictures of a map beside those of map_picture.hpp, whose sheet, words and sizes they share. They show the graph of a
-// run, one moment of its loops being closed, changes since the map was made, and paths without a map. Frame: map,
-// metres, y up. Thread-safe; O(cells + pixels + poses + loops).
+// Further pictures of a map, with the sheet, words and sizes of map_picture.hpp: the graph of a run, one moment of its
+// loop closing, changes since the map was made, and paths without a map. Frame: map, metres, y up. Thread-safe; O(cells
+// + pixels + poses + loops).
 #pragma once
 
 #include <cstddef>
@@ -21,17 +21,17 @@ namespace gdtslam {
 struct LoopLine {
   std::size_t from = 0;  ///< indices into the trajectory
   std::size_t to = 0;
-  double weight = 1.0;  ///< how far it is believed, from 0 to 1
+  double weight = 1.0;  ///< reliability, 0 to 1
   bool is_on = true;
 };
 
-/// Poses one after the other that are not to be trusted, the last one included.
+/// A range of unreliable poses, the last one included.
 struct PathStretch {
   std::size_t from = 0;
   std::size_t to = 0;
 };
 
-/// A place that a list speaks of.
+/// A numbered entry of a list.
 struct NumberedPlace {
   Point2 at_m = Point2::Zero();
   std::size_t number = 0;
@@ -42,24 +42,24 @@ struct GraphOverlay {
   Trajectory trajectory;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
   std::vector<LoopLine> loops;
-  std::vector<PoseCovariance> covariances;  ///< one a pose, or none
+  std::vector<PoseCovariance> covariances;  ///< one per pose, or none
   std::vector<PathStretch> doubtful;
   std::vector<NumberedPlace> numbers;
-  std::vector<std::size_t> drives{};  ///< poses at which another drive begins: no line leads there
+  std::vector<std::size_t> drives{};  ///< first poses of further drives: no line leads there
 };
 
-/// Walls in grey, the path with its keyframes, loops that hold as lines in the colours of their weight, those that are
-/// switched off dashed, ellipses of three standard deviations every some metres of path, enlarged by a factor that the
-/// legend tells where they would be too small to be seen, and doubtful stretches as a broad band. Throws InputError
-/// where an index is beyond the trajectory or covariances are neither none nor one a pose.
+/// Grey walls, the path with its keyframes, accepted loops as lines in the colours of their weight, loops switched off
+/// dashed, doubtful stretches as a broad band. Ellipses of three standard deviations follow the path at intervals; if
+/// they would be too small, they are enlarged by a factor given in the legend. Throws InputError if an index is beyond
+/// the trajectory or covariances are neither empty nor one per pose.
 Canvas graph_picture(const OccupancyMap& map, const GraphOverlay& overlay, const MapLook& look,
                      const PictureSize& size);
 
-/// Content that all moments share.
+/// Content shared by all moments.
 struct LoopsScene {
   const OccupancyMap* map = nullptr;  ///< the run's map; must outlive the pictures
-  Trajectory extent;                  ///< poses that the sheet has room for, beside the map's walls
-  bool has_loops_on = false;          ///< the legend explains these loops
+  Trajectory extent;                  ///< poses that must fit on the sheet, besides the map's walls
+  bool has_loops_on = false;          ///< whether the legend explains accepted loops
   bool has_loops_off = false;
   double largest_sigma_m = 0.0;  ///< largest deviation of the robot's position in all moments; 0: no ellipse
 };
@@ -70,21 +70,21 @@ struct MovedLoop {
   Point2 to_m = Point2::Zero();
   double weight = 1.0;
   bool is_on = true;
-  double glow = 0.0;  ///< 1 when it has just been found, 0 some time later
+  double glow = 0.0;  ///< 1 for a new loop, fading to 0
 };
 
 struct LoopsMoment {
   std::vector<Point2> path_m;   ///< driven so far
-  std::vector<Point2> walls_m;  ///< seen so far, from each place by itself
+  std::vector<Point2> walls_m;  ///< seen so far, each from its own place
   std::vector<MovedLoop> loops;
   std::optional<Point2> robot_m;  ///< empty: the drive is over
   PoseCovariance robot_covariance;
-  double map_share = 0.0;  ///< how far the walls have given way to the map itself, from 0 to 1
+  double map_share = 0.0;  ///< opacity of the map over the walls, 0 to 1
 };
 
 Canvas loops_picture(const LoopsScene& scene, const LoopsMoment& moment, const MapLook& look, const PictureSize& size);
 
-/// Cells of the map, with the patch that each belongs to.
+/// Cells of the map with their patches.
 struct ChangesLayer {
   struct Cell {
     CellIndex cell;
@@ -97,13 +97,13 @@ struct ChangesLayer {
 struct ChangesOverlay {
   ChangesLayer appeared;
   ChangesLayer gone;
-  std::vector<Trajectory> drives;  ///< on which it was seen, in pieces; no line leads from one to the next
+  std::vector<Trajectory> drives;  ///< drives that saw it, in pieces; no line joins them
 };
 
 Canvas changes_picture(const OccupancyMap& map, const ChangesOverlay& overlay, const MapLook& look,
                        const PictureSize& size);
 
-/// Size of a still without a stated size: one that suits the area of these paths.
+/// Default size of a still for the area of these paths.
 PictureSize size_for_paths(const std::vector<const Trajectory*>& paths);
 
 /// The path as in the map's picture. Throws InputError if an index is beyond the trajectory.
@@ -115,11 +115,11 @@ struct NamedPath {
   Trajectory trajectory;
   std::vector<std::size_t> drives{};
 };
-/// Each in a colour of its own; the truth, where there is one, broad and grey under them.
+/// Each path in its own colour; the truth, if given, broad and grey under them.
 Canvas trajectories_picture(const std::vector<NamedPath>& paths, const Trajectory* truth, const MapLook& look,
                             const PictureSize& size);
 
-/// A path in the frame of the truth with the error at each pose, which is no number where the truth has no such stamp.
+/// A path in the frame of the truth with the error at each pose; not a number if the truth lacks the stamp.
 struct PathErrors {
   const Trajectory& trajectory;
   const std::vector<std::size_t>& drives;

@@ -12,11 +12,11 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr double kTitleLine = 1.35;  // in sizes of the letters
+constexpr double kTitleLine = 1.35;  // in letter sizes
 constexpr double kSubtitleLine = 1.5;
 constexpr double kRowGap = 0.75;           // in body_px, between rows of the legend
 constexpr double kLongestScalePx = 190.0;  // the same as for the scale bar
-constexpr int kRounds = 3;                 // until the scale bar, which depends on the map's size, should stand still
+constexpr int kRounds = 3;  // rounds after which the scale bar, which depends on the map's size, is stable
 
 double title_height(const MapLook& look, const Proportions& sizes) {
   double height = 0.0;
@@ -25,14 +25,14 @@ double title_height(const MapLook& look, const Proportions& sizes) {
   return height > 0.0 ? height + 0.4 * sizes.body_px : 0.0;
 }
 
-/// Places of the items, relative to the legend's upper left corner, and the room that they take.
+/// Positions of the items relative to the legend's upper left corner, and their total size.
 struct Arrangement {
   std::vector<Point2> places;
   double width_px = 0.0;
   double height_px = 0.0;
 };
 
-/// Row after row, as words on a page.
+/// Fills row after row, like words on a page.
 Arrangement arrange_rows(const LegendItems& items, double room_px, double gap_px, const Proportions& sizes,
                          bool keeps_groups = false) {
   Arrangement all;
@@ -58,7 +58,7 @@ Arrangement arrange_rows(const LegendItems& items, double room_px, double gap_px
   return all;
 }
 
-/// In as few rows as smaller gaps allow.
+/// Uses as few rows as possible with smaller gaps.
 Arrangement fewest_rows(const LegendItems& items, double room_px, const Proportions& sizes) {
   Arrangement best = arrange_rows(items, room_px, sizes.gap_px, sizes);
   for (const double share : {0.8, 0.6}) {
@@ -109,7 +109,7 @@ Layout with_legend_beside(const MapArea& area, const PictureSize& size, const Pr
   return layout;
 }
 
-/// The same middle at another scale.
+/// Changes the scale and keeps the centre.
 MapFrame scaled(MapFrame frame, double px_per_m) {
   const double more = 0.5 / px_per_m - 0.5 / frame.px_per_m;
   frame.x_m -= more * frame.panel.width_px;
@@ -118,7 +118,7 @@ MapFrame scaled(MapFrame frame, double px_per_m) {
   return frame;
 }
 
-/// The page's colour behind words, so that rays and walls that reach there do not disturb.
+/// Covers an area behind words with the page's colour, which hides rays and walls.
 void dim(Canvas& canvas, const Sheet& sheet, const Point2& corner, double width, double height) {
   const double pad = 0.35 * sheet.sizes.body_px;
   canvas.rectangle({corner.x() - pad, corner.y() - pad}, width + 2.0 * pad, height + 2.0 * pad,
@@ -135,7 +135,7 @@ void draw_line(Canvas& canvas, const Sheet& sheet, const FittedWords& words, dou
   canvas.text({left, y + 0.8 * words.size_px}, words.text, fitted);
 }
 
-/// Made smaller or cut with an ellipsis if too long; what of the map lies under it is dimmed.
+/// Shrinks or shortens the title to its room, and dims the map below it.
 void draw_title(Canvas& canvas, const Sheet& sheet, const MapLook& look) {
   const Proportions& sizes = sheet.sizes;
   const double room = sheet.size.width - 2.0 * sizes.margin_px;
@@ -163,7 +163,7 @@ void draw_legend(Canvas& canvas, const Sheet& sheet, bool is_dimmed) {
   }
 }
 
-/// The same map on the whole sheet: what was seen beyond the walls ends where it ends, not at the border of a panel.
+/// Extends the map to the whole sheet: observed cells beyond the walls are not cut at the border of the panel.
 MapFrame whole_sheet(const Sheet& sheet) {
   MapFrame whole = sheet.frame;
   whole.panel = {0.0, 0.0, static_cast<double>(sheet.size.width), static_cast<double>(sheet.size.height)};
@@ -217,7 +217,7 @@ Sheet lay_out_sheet(const MapArea& area, const MapLook& look, const PictureSize&
     sheet.places = std::move(layout.legend.places);
     for (Point2& place : sheet.places) place += layout.corner;
     if (sheet.frame.px_per_m == px_per_m) return sheet;
-    // Legend and map may change each other back and forth: then the map is left as small as the legend says.
+    // Legend and map may alternate between two sizes: then the map keeps the smaller one.
     if (round < kRounds || sheet.frame.px_per_m < px_per_m) continue;
     sheet.frame = scaled(sheet.frame, px_per_m);
     return sheet;
@@ -283,7 +283,7 @@ MapLayer grid_layer(Colour colour) {
 }
 
 std::string duration_text(double seconds) {
-  if (!(std::fabs(seconds) < 1e15)) return fmt::format("{:.3g} s", seconds);  // stamps of no sense
+  if (!(std::fabs(seconds) < 1e15)) return fmt::format("{:.3g} s", seconds);  // implausible stamps
   const auto whole = static_cast<long long>(std::floor(seconds + 0.5));
   if (whole < 120) return fmt::format("{} s", whole);
   const bool is_long = whole >= 7200;
@@ -354,7 +354,7 @@ LegendItem colour_bar_item(const std::string& before, const std::string& after, 
   return legend_item(
       before, bar,
       [=, colour_at = std::move(colour_at)](Canvas& canvas, const Point2& left) {
-        // Rectangles that reach to the bar's end each, so that no seam shows between them.
+        // Rectangles that all reach to the bar's end leave no visible seams.
         for (int i = 0; i < kBarSteps; ++i) {
           const double from = bar * i / kBarSteps;
           canvas.rectangle(left + Point2(from, -0.5 * height), bar - from, height,

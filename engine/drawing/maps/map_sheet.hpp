@@ -1,6 +1,6 @@
-// One sheet for all pictures of a map: a map's place in a picture, layers upon a page, the title above, the legend
-// below or beside, whichever leaves the map larger. Map: metres, y up; picture: pixels, y down. Thread-safe;
-// O(items + layers), and O(cells) for the boxes.
+// The common sheet of all pictures of a map: the map's position, layers on a page, the title above, and the legend
+// below or beside, whichever leaves the map larger. Map: metres, y up; picture: pixels, y down. Thread-safe; O(items +
+// layers), and O(cells) for the boxes.
 #pragma once
 
 #include <cstddef>
@@ -19,9 +19,9 @@
 
 namespace gdtslam::picture {
 
-/// Sizes of words, lines and gaps: they grow with the picture, so that it looks the same on a sheet of any size.
+/// Sizes of words, lines and gaps, which scale with the picture.
 struct Proportions {
-  double unit = 1.0;  ///< 1 at 1600 x 1200; not below a half, where words would no longer be legible
+  double unit = 1.0;  ///< 1 at 1600 x 1200; at least 0.5, so that words stay legible
   double title_px = 28.0;
   double body_px = 18.0;
   double small_px = 15.0;
@@ -49,7 +49,7 @@ struct Panel {
   double height_px = 0.0;
 };
 
-/// The panel with its part of the map.
+/// The panel and the part of the map in it.
 struct MapFrame {
   Panel panel;
   double x_m = 0.0;  ///< map coordinates at the panel's upper left corner
@@ -59,34 +59,34 @@ struct MapFrame {
     return {panel.left_px + (point_m.x() - x_m) * px_per_m, panel.top_px + (y_m - point_m.y()) * px_per_m};
   }
 };
-/// False for what is not finite, and beyond Cairo's coordinates.
+/// False for points that are not finite or beyond Cairo's coordinates.
 bool is_on_sheet(const Point2& at);
-/// The area in the middle of the panel, as large as fits; the panel shows what lies around it too.
+/// Fits the area into the middle of the panel; the panel shows its surroundings too.
 MapFrame fitted(const MapArea& area, const Panel& panel);
 
-/// Whether a cell is part of what the picture is about.
+/// Whether a cell is part of the picture's subject.
 using CellTest = std::function<bool(CellIndex)>;
-/// The box of the cells that pass, without the few (0.4 % at each side) in which beams through windows end; empty when
-/// none passes.
+/// The box of the cells that pass, without 0.4 % at each side, which are ends of beams through windows; empty if none
+/// passes.
 CellBox bounding_cells(const GridGeometry& geometry, const CellTest& test);
 MapArea map_area(const GridGeometry& geometry, const CellBox& box);
-/// The area with the whole path in it and a margin around; without poses that lie farther outside the grid than it is
-/// long, beside which nothing of the map would be seen.
+/// The area with the whole path and a margin; without poses farther outside the grid than its length, which would
+/// shrink the map to nothing.
 MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Trajectory& trajectory, double margin_m);
 
-/// The part of an occupancy map that a picture of it is about: its walls and the path, with a margin.
+/// The subject of an occupancy map's picture: its walls and the path, with a margin.
 MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory);
 
-/// One thing in the legend: how much room it takes, and how it is drawn from the middle of its left side.
+/// An entry of the legend: its width, and its drawing from the middle of its left side.
 struct LegendItem {
   double width_px = 0.0;
   double height_px = 0.0;
   std::function<void(Canvas&, const Point2&)> draw;
-  bool begins_row = false;  ///< if one row does not hold all items: what belongs together stays together
+  bool begins_row = false;  ///< start of a new row if one row cannot hold all items
 };
 using LegendItems = std::vector<LegendItem>;
 
-/// How a legend is lettered.
+/// Lettering of a legend.
 struct LegendLook {
   Theme theme;
   Proportions sizes;
@@ -98,9 +98,9 @@ struct MapLayer {
   std::function<LegendItems(const LegendLook&, double px_per_m)> explain;
 };
 
-/// A picture of a map as data. Layers are drawn in their order; what they refer to must live until then.
+/// A picture of a map as data. Layers are drawn in order; their references must live until then.
 struct MapSheet {
-  const char* name = "";  ///< title of a drawing whose look has none
+  const char* name = "";  ///< default title of the drawing
   MapArea area;
   Theme theme;  ///< its page is the background
   std::vector<MapLayer> layers;
@@ -109,7 +109,7 @@ struct MapSheet {
 Theme light_theme(Colour page);
 Canvas drawn(const MapSheet& sheet, const MapLook& look, const PictureSize& size);
 
-/// A sheet below this side, pixels, has room for the map only: no words.
+/// Sheets with a side below this, pixels, show only the map, without words.
 inline constexpr std::uint32_t kLeastSideWithWords = 200;
 
 using LegendOf = std::function<LegendItems(double px_per_m)>;
@@ -124,7 +124,7 @@ struct Sheet {
 Sheet lay_out_sheet(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
                     const LegendOf& legend);
 
-/// Words no wider than `room_px`.
+/// Words shortened to `room_px`.
 struct FittedWords {
   std::string text;
   double size_px = 0.0;
@@ -134,21 +134,21 @@ FittedWords fitted_words(const std::string& words, double size_px, double least_
 /// "45 s", "12 min 5 s", "3 h 12 min".
 std::string duration_text(double seconds);
 
-/// A mark between words; either may be empty. The mark is drawn from the middle of its left side.
+/// A mark between two words, which may be empty. The mark is drawn from the middle of its left side.
 LegendItem legend_item(const std::string& before, double mark_px, std::function<void(Canvas&, const Point2&)> draw_mark,
                        const std::string& after, const LegendLook& look);
 LegendItem scale_bar_item(double px_per_m, const LegendLook& look);
-/// x to the right, y up: north of the map's frame.
+/// Axes of the map's frame: x to the right, y up.
 LegendItem axes_item(const LegendLook& look);
 LegendItem swatch_item(const std::string& words, Colour colour, const LegendLook& look);
 LegendItem line_item(const std::string& words, const Pen& pen, const LegendLook& look);
-/// A bar of colours between two words; `colour_at` takes a share.
+/// A colour bar between two words; `colour_at` receives a share.
 LegendItem colour_bar_item(const std::string& before, const std::string& after, std::function<Colour(double)> colour_at,
                            const LegendLook& look);
 
-/// A layer without a drawing.
+/// A legend entry without a drawing.
 MapLayer swatch_layer(const std::string& words, Colour colour);
-/// Lines across the whole sheet, as far apart as the scale bar is long.
+/// A grid over the whole sheet, with the length of the scale bar as spacing.
 MapLayer grid_layer(Colour colour);
 
 }  // namespace gdtslam::picture

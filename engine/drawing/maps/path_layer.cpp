@@ -29,7 +29,7 @@ int colour_band(double share) {
   return std::isfinite(share) ? static_cast<int>(std::clamp(share * kPathBands, 0.0, kPathBands - 1.0)) : kNoBand;
 }
 
-/// A line for each band of values.
+/// Draws a line for each band of values.
 void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const std::function<Colour(double)>& colour_at,
                double width) {
   std::size_t begin = 0;
@@ -44,7 +44,7 @@ void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const std::
   }
 }
 
-/// The index at which each drive begins, and behind the last one the count.
+/// The index at which each drive begins, then the count.
 std::vector<std::size_t> ends_of_drives(const std::vector<std::size_t>& drives, std::size_t count) {
   std::vector<std::size_t> ends{0};
   for (const std::size_t drive : drives) {
@@ -54,7 +54,7 @@ std::vector<std::size_t> ends_of_drives(const std::vector<std::size_t>& drives, 
   return ends;
 }
 
-/// Scans that would be drawn over each other, as one.
+/// Overlapping scans drawn as one.
 struct Cluster {
   Point2 sum = Point2::Zero();
   std::size_t count = 0;
@@ -161,7 +161,7 @@ LegendItem time_item(double seconds, const PathColours& colours, const LegendLoo
       seconds > 0.0 ? "end, after " + duration_text(seconds) : "end", look);
 }
 
-/// A piece of the path with keyframes on it: dots alone would be too small to be known again.
+/// A piece of the path with keyframes, because single dots would be too small to recognise.
 LegendItem keyframe_item(const std::string& words, const PathColours& colours, const LegendLook& look) {
   const Proportions sizes = look.sizes;
   const double piece = 42.0 * sizes.unit;
@@ -254,7 +254,7 @@ std::vector<double> time_shares(const Trajectory& trajectory) {
   const double whole_s = duration_s(trajectory);
   double elapsed_s = 0.0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    // If stamps say nothing, the order does.
+    // Without usable stamps, time follows the order.
     if (whole_s > 0.0) elapsed_s = std::max(elapsed_s, trajectory[i].stamp_s - trajectory.front().stamp_s);
     const double by_order =
         static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(1, trajectory.size() - 1));

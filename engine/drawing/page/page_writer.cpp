@@ -15,12 +15,12 @@
 #include "engine/drawing/letters.hpp"
 #include "gdtslam/core/angle.hpp"
 
-/// The files of page/program as they were when the library was built.
+/// The files of page/program, embedded in the library.
 namespace gdtslam::page_text_parts {
-std::string_view skeleton();  ///< page.html with {{name}} where page_text fills in
+std::string_view skeleton();  ///< page.html with {{name}} placeholders that page_text fills in
 std::string_view style();
-std::string_view style_hash();  ///< for the content security policy, as that of the program
-std::string_view program();     ///< all scripts, one after the other
+std::string_view style_hash();  ///< for the content security policy, like the program's
+std::string_view program();     ///< all scripts concatenated
 std::string_view program_hash();
 }  // namespace gdtslam::page_text_parts
 
@@ -34,14 +34,14 @@ std::string policy(std::string_view sources) {
                      parts::program_hash(), parts::style_hash(), sources);
 }
 
-/// The row of the table that a crank angle belongs to, with its fraction; below kCrankSteps, also where an angle just
-/// below zero is a whole turn by rounding.
+/// The table's row of a crank angle, with its fraction; always below kCrankSteps, even if an angle just below zero
+/// rounds to a whole turn.
 double step_at(double crank_rad) {
   const double turned = crank_rad / kTwoPi;
   return std::fmod((turned - std::floor(turned)) * kCrankSteps, kCrankSteps);
 }
 
-/// Begin and end of the lift, if the linkage is a crank-rocker, and where the motion starts.
+/// Start and end of the lift, if the linkage is a crank-rocker, and the step at which motion starts.
 void describe_ends(const calib::LinkageCycle& cycle, Json& about) {
   const double first = step_at(cycle.begin().crank_rad);
   about["first"] = cycle.report() ? first : std::fmod(std::ceil(first), kCrankSteps);
@@ -56,7 +56,7 @@ void describe_ends(const calib::LinkageCycle& cycle, Json& about) {
 
 Json json_place(const Point2& place) { return Json::array({place.x(), place.y()}); }
 
-/// State of the cells that one pixel stands for.
+/// State of the cells under one pixel.
 CellState shown_state(const OccupancyMap& map, std::int32_t x, std::int32_t y, std::int32_t factor) {
   CellState shown = CellState::kUnknown;
   for (std::int32_t cy = y * factor; cy < std::min((y + 1) * factor, map.geometry.height); ++cy) {
@@ -68,14 +68,14 @@ CellState shown_state(const OccupancyMap& map, std::int32_t x, std::int32_t y, s
 }
 static_assert(CellState::kUnknown < CellState::kFree && CellState::kFree < CellState::kOccupied);
 
-constexpr double kClockStep_s = 1.0;       // back, beyond which a clock was set
-constexpr double kLongestGap_s = 86400.0;  // forward, beyond which a clock was set, as at boot
+constexpr double kClockStep_s = 1.0;       // larger steps back mean that a clock was set
+constexpr double kLongestGap_s = 86400.0;  // larger steps ahead mean that a clock was set, as at boot
 
-/// The finite poses of a path, whose times never step back: they go on from drive to drive and where a clock was set.
+/// The finite poses of a path. Times never step back: they continue at a new drive and at a clock that was set.
 struct FinitePath {
   Trajectory poses;
   std::vector<std::size_t> drives;
-  bool has_log_times = true;  ///< but for jitter
+  bool has_log_times = true;  ///< true if times differ from the log's only by jitter
 };
 
 FinitePath finite_path(const Trajectory& trajectory, std::span<const std::size_t> drives) {
@@ -117,7 +117,7 @@ std::string json_text(const Json& json) {
   return text;
 }
 
-// In one pass, so that no text of others is taken for a mark.
+// In one pass, so that placeholders within untrusted text are not replaced.
 std::string page_text(const PageData& data, std::string_view sources) {
   std::string_view skeleton = parts::skeleton();
   std::string out;
@@ -161,12 +161,13 @@ void write_path(const Trajectory& trajectory, std::span<const std::size_t> drive
     if (begun != std::exchange(drive, begun)) begins.push_back(k);
   }
   add_element(page, "path", bytes.bytes());
-  page.description["path"] = {{"count", count},
-                              {"drives", begins},
-                              {"length", path_length_m(path.poses, path.drives)},  // whatever the page holds of them
-                              {"first", first_s},
-                              {"last", path.poses.back().stamp_s},
-                              {"log_times", path.has_log_times ? 1 : 0}};
+  page.description["path"] = {
+      {"count", count},
+      {"drives", begins},
+      {"length", path_length_m(path.poses, path.drives)},  // length of all poses, not only those in the page
+      {"first", first_s},
+      {"last", path.poses.back().stamp_s},
+      {"log_times", path.has_log_times ? 1 : 0}};
 }
 
 void write_map(const OccupancyMap& map, PageData& page) {

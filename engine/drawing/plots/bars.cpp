@@ -21,7 +21,7 @@ struct BarMark {
   std::string text;
 };
 
-/// An end of the bar to a fiftieth of its range, without zeros that say nothing.
+/// An end of the bar, to a fiftieth of its range, without trailing zeros.
 BarMark end_mark(double value, double range) {
   constexpr double kShare = 0.02;
   double step = 1.0;
@@ -35,13 +35,13 @@ BarMark end_mark(double value, double range) {
   return {value, text};
 }
 
-/// Room between the middles of two marks that keeps their letters apart.
+/// Least distance between two marks that keeps their labels apart.
 double least_gap(const ColourBar& bar, const BarMark& one, const BarMark& other) {
   const double size = kTickLetters * bar.text_size;
   return 0.5 * (text_width(one.text, size) + text_width(other.text, size)) + 0.6 * size;
 }
 
-/// Both ends, and between them the round values that find room.
+/// Both ends, and the round values in between that have room.
 std::vector<BarMark> bar_marks(const ColourBar& bar) {
   const double range = bar.to - bar.from;
   std::vector<BarMark> marks{end_mark(bar.from, range)};
@@ -68,14 +68,14 @@ double widest(const std::vector<BarMark>& marks, double text_size) {
 
 double title_room(const ColourBar& bar) { return bar.title.empty() ? 0.0 : 1.7 * bar.text_size; }
 
-/// Room at both ends for half a tick's letters, and the pixel that whole pixels may take.
+/// Room at both ends for half a label, and for rounding to whole pixels.
 double end_room(const ColourBar& bar) { return 1.0 + 0.5 * widest(bar_marks(bar), bar.text_size); }
 
 void draw_colours(Canvas& canvas, const ColourBar& bar, const Point2& corner) {
   const double step = bar.length / kBands;
   for (int band = 0; band < kBands; ++band) {
     const Fill fill{bar.map->at((band + 0.5) / kBands)};
-    // Each reaches to the end: the next one covers the rest, and no seam shows.
+    // Each rectangle reaches to the end: the next one covers the rest, without seams.
     canvas.rectangle(corner + Point2(band * step, 0.0), bar.length - band * step, bar.thickness, fill);
   }
 }
@@ -93,7 +93,7 @@ void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner,
   Lettering title{.size = bar.text_size, .colour = theme.text, .has_halo = bar.has_halo, .halo = theme.page};
   if (!bar.title.empty()) canvas.text(corner + Point2(0.0, bar.text_size), bar.title, title);
   const Point2 place = corner + Point2(end_room(bar), title_room(bar));
-  const Point2 start(std::floor(place.x()), std::floor(place.y()));  // on whole pixels: no rim of colours below
+  const Point2 start(std::floor(place.x()), std::floor(place.y()));  // whole pixels avoid a blurred rim of colours
   draw_colours(canvas, bar, start);
   canvas.rectangle(start, bar.length, bar.thickness, std::nullopt,
                    Pen{.colour = theme.quiet, .width = 1.0, .opacity = 0.6});
@@ -114,7 +114,7 @@ void draw_scale_bar(Canvas& canvas, const ScaleBar& bar, const Point2& start, co
   if (!(length_m > 0.0)) return;
   const Point2 end = start + Point2(length_m * bar.pixels_per_m, 0.0);
   const Point2 half_tick(0.0, 0.4 * bar.text_size);
-  // Twice: the page's colour around it first, so that it shows on any picture.
+  // Drawn twice, first wider in the page's colour, so that it is visible on any picture.
   for (const bool is_halo : {true, false}) {
     if (is_halo && !bar.has_halo) continue;
     const Pen pen{.colour = is_halo ? theme.page : theme.text, .width = is_halo ? 5.0 : 2.0};

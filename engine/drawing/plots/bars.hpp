@@ -1,5 +1,5 @@
-// Bars that explain a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text
-// size. O(1) shapes.
+// Bars of a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text size. O(1)
+// shapes.
 #pragma once
 
 #include <string>
@@ -27,19 +27,19 @@ struct ColourBar {
   double text_size = 13.0;
   bool has_halo = false;  ///< letters over a picture
 };
-/// Room that it takes, words included: to place it by. Only width and height are filled in.
+/// Size of the bar with its words, for placing it. Only width and height are set.
 DrawingArea colour_bar_room(const ColourBar& bar);
-/// A lying bar with the upper left corner of its room at `corner`, the title above, the largest value at the right.
-/// Both ends are labelled, and the round values between them that find room.
+/// A horizontal bar with the upper left corner of its room at `corner`, the title above, the largest value at the
+/// right. Both ends are labelled, and the round values in between that have room.
 void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner, const Theme& theme = kLightTheme);
 
 struct ScaleBar {
   double pixels_per_m = 100.0;
-  double most = 160.0;  ///< pixels that it may be long
+  double most = 160.0;  ///< longest bar, pixels
   double text_size = 13.0;
   bool has_halo = true;
 };
-/// Its left end at `start`, the length above its middle. Nothing where no round length fits.
+/// The left end is at `start`, the length above the middle. Draws nothing if no round length fits.
 void draw_scale_bar(Canvas& canvas, const ScaleBar& bar, const Point2& start, const Theme& theme = kLightTheme);
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// Plots of errors by group, as boxes and as distributions, and of values over time, each on a page of its own.
+// Plots of errors by group, as boxes and as distributions, and of values over time, one page each.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 constexpr double kTextPx = 20.0;
 constexpr double kMarginPx = 24.0;
 
-/// Draws on a page of natural size and gives it back in the size that is asked for.
+/// Draws on a page of natural size, and scales it to the requested size.
 Canvas plot_sheet(const std::string& title, const PictureSize& size,
                   const std::function<void(Canvas&, const DrawingArea&)>& draw) {
   const double unit = picture::picture_proportions(size).unit;
@@ -37,7 +37,7 @@ Canvas plot_sheet(const std::string& title, const PictureSize& size,
 /// The lettering of every plot on that page.
 PlotLook plot_look(const std::string& title) { return {.title = title, .text_size = kTextPx}; }
 
-/// From one value to another, outwards to whole ticks where it grows.
+/// An axis between two values, extended to whole ticks if `is_grown`.
 Axis make_axis(const std::string& title, double from, double to, bool is_grown) {
   Axis axis;
   axis.title = title;
@@ -47,7 +47,7 @@ Axis make_axis(const std::string& title, double from, double to, bool is_grown) 
   return axis;
 }
 
-/// The finite values of a group, ascending. The number of the others is always shown.
+/// The finite values of a group, ascending, and the number of the others, which is always shown.
 struct SortedGroup {
   std::string name;
   std::vector<double> values;
@@ -67,13 +67,13 @@ std::vector<SortedGroup> sorted_groups(const ErrorPlot& plot) {
   return groups;
 }
 
-/// "1,234 values", with the rest: "1,230 values, 4 not finite".
+/// "1,234 values", or with values that are not finite: "1,230 values, 4 not finite".
 std::string count_text(const SortedGroup& group) {
   const std::string count = counted(group.values.size(), "value");
   return group.without_value == 0 ? count : fmt::format("{}, {} not finite", count, group.without_value);
 }
 
-/// From where to where the values' axis goes: from 0 where nothing is below it, so that lengths can be compared.
+/// Range of the values' axis: from 0 if no value is negative, so that lengths can be compared.
 struct Range {
   double from = 0.0;
   double to = 1.0;
@@ -86,7 +86,7 @@ Range padded(double least, double most) {
   return {from < 0.0 ? from - pad : 0.0, to > 0.0 ? to + pad : 0.0};
 }
 
-/// From whisker to whisker: a few values far out would press all boxes to the floor. Each box tells how many they are.
+/// From whisker to whisker, because a few outliers would flatten all boxes. Each box states their number.
 Range value_range(const std::vector<SortedGroup>& groups) {
   double least = 0.0;
   double most = 0.0;
@@ -96,11 +96,11 @@ Range value_range(const std::vector<SortedGroup>& groups) {
     least = std::min(least, figures.low_whisker);
     most = std::max(most, figures.high_whisker);
   }
-  constexpr double kRoom = 0.12;  // for the nearest of those beyond, and the words that count them
+  constexpr double kRoom = 0.12;  // for the nearest outliers, and the words that count them
   return padded(least - (least < 0.0 ? kRoom * (most - least) : 0.0), most + kRoom * (most - least));
 }
 
-/// "31 beyond, up to 0.0260 m"; nothing where the axis holds all.
+/// "31 beyond, up to 0.0260 m"; empty if the axis covers all.
 std::string beyond_text(const std::vector<double>& ascending, double to, const std::string& unit) {
   const auto beyond = ascending.end() - std::upper_bound(ascending.begin(), ascending.end(), to);
   return beyond == 0 ? std::string()
@@ -117,7 +117,7 @@ double axis_end(const Plot& plot) {
 
 constexpr double kBoxWidth = 0.44;  // in distances of two boxes
 
-/// Above the box, as large as the distance of two boxes allows.
+/// Writes the median above the box, as large as the distance of the boxes allows.
 void draw_median(Plot& plot, double x, const BoxFigures& figures, const std::string& unit, double text_size) {
   constexpr double kSmallest_px = 7.0;
   const double room = 0.94 * (plot.at(1.0, 0.0).x() - plot.at(0.0, 0.0).x());
@@ -129,7 +129,7 @@ void draw_median(Plot& plot, double x, const BoxFigures& figures, const std::str
              {0.0, -0.4 * size});
 }
 
-/// "31 beyond, up to 0.0260 m" at the upper edge; in fewer words where the boxes are close.
+/// "31 beyond, up to 0.0260 m" at the upper edge; shorter if the boxes are close.
 void draw_beyond(Plot& plot, double x, const SortedGroup& group, const std::string& unit, double text_size) {
   const double to = axis_end(plot);
   const std::string beyond = beyond_text(group.values, to, unit);
@@ -142,13 +142,13 @@ void draw_beyond(Plot& plot, double x, const SortedGroup& group, const std::stri
              {0.0, 1.3 * text_size + plot.inside().corner.y() - plot.at(x, to).y()});
 }
 
-/// Value and share of the values up to it.
+/// Points (value, share of the values up to it).
 std::vector<Point2> distribution_steps(const std::vector<double>& ascending, double to) {
   std::vector<Point2> steps{{0.0, 0.0}};
   if (ascending.front() < 0.0) steps.front().x() = ascending.front();
   const auto count = static_cast<double>(ascending.size());
   for (std::size_t i = 0; i < ascending.size(); ++i) {
-    // The last of several equal values counts.
+    // Only the last of several equal values is used.
     if (i + 1 < ascending.size() && ascending[i + 1] == ascending[i]) continue;
     steps.emplace_back(ascending[i], static_cast<double>(i + 1) / count);
   }
@@ -156,8 +156,8 @@ std::vector<Point2> distribution_steps(const std::vector<double>& ascending, dou
   return steps;
 }
 
-/// A few values far out would press all curves to the left edge: the axis ends at three times the largest 95 % mark,
-/// and the legend tells the largest value.
+/// A few outliers would squeeze all curves to the left: the axis ends at three times the largest 95 % mark, and the
+/// legend states the largest value.
 Range distribution_range(const std::vector<SortedGroup>& groups) {
   double least = 0.0;
   double most = 0.0;
@@ -186,7 +186,7 @@ void draw_distribution(Plot& plot, const SortedGroup& group, std::size_t number,
   plot.markers(std::array{Point2(median, 0.5), Point2(most, 0.95)}, Fill{kLightTheme.curve(number)}, 4.5);
 }
 
-/// Extent of the points; values that are not finite are gaps and span nothing.
+/// Extent of the points; values that are not finite are ignored.
 struct Extent {
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -std::numeric_limits<double>::infinity();
@@ -209,7 +209,7 @@ Extent find_extent(const std::vector<TimeSeries>& series) {
   return extent;
 }
 
-/// Times as people read them.
+/// Readable unit of times.
 struct TimeUnit {
   double zero_s = 0.0;
   double length_s = 1.0;
@@ -217,7 +217,7 @@ struct TimeUnit {
   [[nodiscard]] double of(double time_s) const { return (time_s - zero_s) / length_s; }
 };
 TimeUnit time_unit(const Extent& extent) {
-  constexpr double kClockFrom_s = 1e6;  // later stamps are a clock's, and nobody reads the time of day from them
+  constexpr double kClockFrom_s = 1e6;  // larger stamps are clock times, shown since the start
   constexpr double kMinute_s = 60.0;
   constexpr double kHour_s = 3600.0;
   TimeUnit unit{
@@ -242,7 +242,7 @@ Axis time_axis(const Extent& extent, const TimeUnit& unit) {
   return axis;
 }
 
-/// With 0 where it is near: what is half as large then looks so.
+/// Includes 0 if it is near: then half the value has half the height.
 Axis value_axis(const Extent& extent, const std::string& title) {
   double from = extent.least;
   double to = extent.most;
@@ -251,7 +251,7 @@ Axis value_axis(const Extent& extent, const std::string& title) {
   if (from == to) {
     const double half = 0.5 * std::fabs(from);
     from -= half;
-    to += half > 0.0 ? half : 1.0;  // all values are zero: there are no errors
+    to += half > 0.0 ? half : 1.0;  // all values are zero: no errors
   }
   return make_axis(title, from, to, true);
 }
@@ -271,7 +271,7 @@ Canvas box_plot(const ErrorPlot& plot, const PictureSize& size) {
     const PlotLook look = plot_look(plot.title);
     Plot drawn(canvas, area, x, make_axis(axis_title(plot.quantity, plot.unit), range.from, range.to, true), look);
     for (std::size_t i = 0; i < groups.size(); ++i) {
-      if (groups[i].values.empty()) continue;  // its name says so
+      if (groups[i].values.empty()) continue;  // the name says that there are none
       const double at = static_cast<double>(i + 1);
       const BoxFigures figures = box_figures(groups[i].values);
       drawn.box(at, kBoxWidth, figures, kLightTheme.curve(i));
@@ -291,7 +291,7 @@ Canvas distribution_plot(const ErrorPlot& plot, const PictureSize& size) {
       drawn.level(level, {.colour = kLightTheme.quiet, .width = 1.0, .dashes = "5 4"});
     }
     for (std::size_t i = 0; i < groups.size(); ++i) {
-      // Beyond the axis the curve goes on, so that it is cut by the frame and does not end.
+      // The curve continues beyond the axis, so that the frame cuts it and it does not seem to end.
       const double to = std::max(2.0 * range.to, 1.0);
       draw_distribution(drawn, groups[i], i, plot.unit, to);
     }

@@ -19,7 +19,7 @@ constexpr int kLiftSteps = 240;
 constexpr int kFaintPositions = 6;
 constexpr double kBeam = 1.42;  ///< length of the laser's plane from the rocker's pivot, in rockers
 
-/// Places of the page: crank's pivot, crank's end, coupler's end, rocker's pivot.
+/// Joints on the page: crank's pivot, crank's end, coupler's end, rocker's pivot.
 using Joints = std::array<Point2, 4>;
 
 /// The linkage's plane on the page.
@@ -84,7 +84,7 @@ void draw_paths(Canvas& canvas, const LinkageCycle& cycle, const Stage& stage) {
   canvas.polyline(curve, {.colour = ink::kCurve, .width = 2.0});
 }
 
-/// Hatched feet under a pivot that is fixed to the robot.
+/// Hatched feet under a fixed pivot.
 void draw_pivot(Canvas& canvas, const Point2& at) {
   canvas.polygon({at, at + Point2(-12.0, 20.0), at + Point2(12.0, 20.0)}, Fill{ink::kGround, 0.9});
   for (int i = 0; i < 4; ++i) {

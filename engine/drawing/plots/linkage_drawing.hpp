@@ -1,7 +1,6 @@
 // Pictures of a linkage: name and class, read-outs, elevation and transmission angle over the crank with a mark at one
-// position, the bars' lengths, and the linkage itself as a schematic. A 3D scene takes the schematic's place in
-// pictures of the motion. All sizes follow one text size, so that a small picture has fewer things in it, never
-// unreadable ones. One object belongs to one thread.
+// position, the bars' lengths, and the linkage as a schematic. Films show a 3D scene instead of the schematic. All
+// sizes follow one text size: a small picture has fewer parts, never illegible ones. One object belongs to one thread.
 #pragma once
 
 #include <string>
@@ -14,18 +13,18 @@
 
 namespace gdtslam {
 
-/// Places of all parts in a picture; an area without width is left out.
+/// Positions of all parts in a picture; an area without width is left out.
 struct LinkageSheet {
   double text = 13.0;  ///< letter size of plain words
   DrawingArea header = {};
   DrawingArea card = {};   ///< under the linkage and the bars' lengths
   DrawingArea scene = {};  ///< the linkage itself
-  DrawingArea bars = {};   ///< below it
+  DrawingArea bars = {};   ///< lengths of the bars, below the linkage
   DrawingArea figures = {};
   DrawingArea elevation = {};
   DrawingArea transmission = {};
 };
-/// The sheet of a picture of so many pixels; without a panel, or if one would leave no room, the scene alone.
+/// The sheet of a picture of this size in pixels; without a panel, or without room for one, only the scene.
 LinkageSheet linkage_sheet(double width, double height, bool with_panel);
 
 /// One decimal, without a unit and never "-0.0".
@@ -33,14 +32,15 @@ std::string degrees_text(double angle_rad);
 
 class LinkagePanel {
  public:
-  /// `cycle` must outlive this. Transparent: no page under the cards.
+  /// `cycle` must outlive this. Transparent: no page behind the cards.
   LinkagePanel(const calib::LinkageCycle& cycle, bool is_dark, bool is_transparent);
 
-  /// Page and cards, then header and bars; the scene is drawn next, over its card.
+  /// Draws page and cards, then header and bars; the scene is drawn next, on its card.
   void draw_ground(Canvas& canvas, const LinkageSheet& sheet) const;
-  /// Angles and curves, with this position marked.
+  /// Draws angles and curves with this position marked.
   void draw_readings(Canvas& canvas, const LinkageSheet& sheet, const calib::LinkagePosition& position) const;
-  /// The elevation at an end of the laser's sweep, beyond the rim; `inner` is nearer to the middle, both of the page.
+  /// Labels an end of the laser's sweep with its elevation, beyond the rim; `inner` is a point towards the middle; page
+  /// coordinates.
   void draw_sweep_label(Canvas& canvas, const LinkageSheet& sheet, const Point2& rim, const Point2& inner,
                         double elevation_rad) const;
   [[nodiscard]] const Theme& theme() const { return theme_; }
@@ -51,27 +51,27 @@ class LinkagePanel {
   void draw_figures(Canvas& canvas, const LinkageSheet& sheet, const calib::LinkagePosition& position) const;
   void draw_elevation(Canvas& canvas, const LinkageSheet& sheet, const calib::LinkagePosition& position) const;
   void draw_transmission(Canvas& canvas, const LinkageSheet& sheet, const calib::LinkagePosition& position) const;
-  /// Over the crank, on a card.
+  /// A plot over the crank, on a card.
   [[nodiscard]] Plot plot_on(Canvas& canvas, const LinkageSheet& sheet, const DrawingArea& card,
                              std::string_view heading, double from, double to) const;
   void shade_strokes(Plot& plot) const;
-  /// The key of the shades, at the right of a heading, if there is room.
+  /// Legend of the shades, at the right of a heading, if there is room.
   void draw_strokes_key(Canvas& canvas, const LinkageSheet& sheet, double from_x) const;
-  /// The place of a crank angle on the plots' axis, degrees.
+  /// Position of a crank angle on the plots' axis, degrees.
   [[nodiscard]] double axis_deg(double crank_rad) const;
 
   const calib::LinkageCycle& cycle_;
   bool is_transparent_;
   Theme theme_;
   Colour laser_;                           ///< the elevation's curve
-  Colour laser_text_;                      ///< and of words on the laser
+  Colour laser_text_;                      ///< words on the laser
   std::vector<Point2> elevations_deg_;     ///< over the axis
   std::vector<Point2> transmissions_deg_;  ///< over the axis, too
 };
 
 /// The linkage as a drawing (1280 by 800): positions over the lift, the curve of the coupler's middle, the rocker's
-/// arc, dead points and the laser's plane, with the panel beside them. The linkage stands as in the mount: the laser's
-/// plane is drawn along the rocker, so elevation 0 is level.
+/// arc, dead points and the laser's plane, with the panel beside them. Orientation as in the mount: the laser's plane
+/// is drawn along the rocker, so elevation 0 is level.
 Canvas linkage_drawing(const calib::LinkageCycle& cycle);
 
 }  // namespace gdtslam

@@ -14,23 +14,23 @@ namespace {
 constexpr double kLeastText = 10.5;
 constexpr double kTextShare = 0.0182;  ///< share of the picture's height: 13 pixels of 720
 constexpr double kPanelShare = 0.39;   ///< share of a wide picture's width
-/// Below these a panel would leave no room for the linkage.
+/// Below these sizes a panel would leave no room for the linkage.
 constexpr double kLeastWidth = 360.0;
 constexpr double kLeastHeight = 240.0;
 constexpr double kRoomyHeight = 38.0;  ///< height of the panel, in letters: enough for a plot of the transmission angle
-constexpr double kPoor_deg = 40.0;     ///< calib::kPoorTransmission_rad as people write it
+constexpr double kPoor_deg = 40.0;     ///< calib::kPoorTransmission_rad in degrees
 constexpr Fill kLift{.colour = ink::kRocker, .opacity = 0.10};
 constexpr Fill kReturn{.colour = ink::kCrank, .opacity = 0.09};
-constexpr double kKeyStrength = 2.2;  ///< a small patch of a pale colour needs more of it
+constexpr double kKeyStrength = 2.2;  ///< a small patch needs a stronger colour
 
-/// By the crank, with a gap where a curve leaves the axis at one side and comes back on the other.
+/// Sorts by the crank, with a gap if a curve leaves the axis at one side and returns on the other.
 std::vector<Point2> in_order(std::vector<Point2> curve, bool is_turning) {
   constexpr double kMostJump_deg = 180.0;
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   std::sort(curve.begin(), curve.end(), [](const Point2& a, const Point2& b) { return a.x() < b.x(); });
   const Point2 first = curve.front();
   const Point2 last = curve.back();
-  // Up to both ends of the axis, unless it is there that a rocker has gained a whole turn.
+  // Extends to both ends of the axis, unless a rocker completes a turn there.
   if (is_turning && std::fabs(last.y() - first.y()) < kMostJump_deg) {
     curve.insert(curve.begin(), {last.x() - 360.0, last.y()});
     curve.push_back({first.x() + 360.0, first.y()});
@@ -55,7 +55,7 @@ void lay_out_panel(LinkageSheet& sheet, const DrawingArea& panel) {
   sheet.transmission = {sheet.elevation.corner + Point2(0.0, elevation + text), panel.width, rest - elevation - text};
 }
 
-/// From one crank angle on in a direction, in pieces where the axis ends between them.
+/// Shades a range of crank angles from a start in a direction, in pieces if the axis ends in between.
 void draw_stretch(Plot& plot, double from_deg, double span_deg, const Fill& fill) {
   const double low = span_deg < 0.0 ? from_deg + span_deg : from_deg;
   for (const double turn : {-360.0, 0.0, 360.0}) {
@@ -91,10 +91,10 @@ LinkageSheet linkage_sheet(double width, double height, bool with_panel) {
     panel.height -= card.height + text;
   }
   lay_out_panel(sheet, panel);
-  // One row, two rows, or no room for the bars' lengths.
+  // One row, two rows, or none if the bars' lengths have no room.
   const double rows = card.width > 46.0 * text ? 2.6 : (card.width > 30.0 * text ? 4.2 : 0.6);
   const double bars = std::round(rows * text);
-  // One pixel inside the card, whose edge stays.
+  // One pixel inside the card, to keep its edge.
   sheet.scene = {card.corner + Point2(1.0, std::round(0.6 * text)), card.width - 2.0,
                  std::floor(card.height - bars - 0.6 * text)};
   sheet.bars = {card.corner + Point2(0.0, card.height - bars), card.width, bars};
@@ -156,7 +156,7 @@ void LinkagePanel::draw_sweep_label(Canvas& canvas, const LinkageSheet& sheet, c
   const bool is_side = std::fabs(away.x()) > 0.6;
   const std::string words = degrees_text(elevation_rad) + "°";
   const double width = text_width(words, text, true);
-  // By its left end, which keeps it within the card where the rim comes close to the edge.
+  // Aligned by its left end, which keeps it within the card if the rim is close to the edge.
   const double share = !is_side ? 0.5 : (away.x() > 0.0 ? 0.0 : 1.0);
   const double left = rim.x() - sheet.scene.corner.x() + 0.6 * text * away.x() - share * width;
   const double drop = is_side ? 0.35 : (away.y() < 0.0 ? -0.4 : 1.2);

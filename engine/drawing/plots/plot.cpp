@@ -11,11 +11,11 @@
 namespace gdtslam {
 namespace {
 
-/// Beyond the frame, so that a curve along its edge is not cut in half.
+/// Margin beyond the frame, so that a curve along its edge is not cut in half.
 constexpr double kClipMargin_px = 2.0;
 constexpr double kCoverStep_px = 6.0;
 constexpr std::size_t kMostCovered = 20000;
-/// Points of a curve in one column of pixels, above which only its extent there is drawn.
+/// More points than this in one column of pixels are replaced by their extent.
 constexpr std::size_t kMostInColumn = 4;
 
 bool is_finite(const Point2& value) { return std::isfinite(value.x()) && std::isfinite(value.y()); }
@@ -24,7 +24,7 @@ Point2 bounded(const Point2& place) {
   return {std::clamp(place.x(), -kFarthest_px, kFarthest_px), std::clamp(place.y(), -kFarthest_px, kFarthest_px)};
 }
 
-/// Adds the points of one column that matter: the first, the lowest and highest in their order, the last.
+/// Adds the significant points of one column: the first, the lowest and highest in their order, the last.
 void add_column(const std::vector<Point2>& points, std::size_t begin, std::size_t end, std::vector<Point2>& kept) {
   if (end - begin <= kMostInColumn) {
     kept.insert(kept.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -40,7 +40,7 @@ void add_column(const std::vector<Point2>& points, std::size_t begin, std::size_
   for (const auto* point = chosen.begin(); point != chosen_end; ++point) kept.push_back(**point);
 }
 
-/// The same picture with fewer points where many share a column of pixels.
+/// The same picture with fewer points in crowded columns of pixels.
 std::vector<Point2> thinned(const std::vector<Point2>& points) {
   std::vector<Point2> kept;
   for (std::size_t begin = 0; begin < points.size();) {
@@ -196,7 +196,7 @@ void Plot::box(double x, double width, const BoxFigures& figures, Colour colour)
   double last_px = std::numeric_limits<double>::infinity();
   for (const double value : figures.beyond) {
     const Point2 place = bounded(at(x, value));
-    if (std::fabs(place.y() - last_px) < 1.0) continue;  // it would hide behind the one before
+    if (std::fabs(place.y() - last_px) < 1.0) continue;  // hidden behind the one before
     last_px = place.y();
     canvas_.circle(place, 2.2, std::nullopt, Pen{.colour = colour, .width = 1.0, .opacity = 0.8});
     cover(place);

@@ -1,4 +1,4 @@
-// The frame of a plot: room for its words, ticks, grid, titles; and its legend, where it hides least.
+// The frame of a plot: room for its words, ticks, grid, titles; and its legend, placed where it hides least.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,14 +12,14 @@ namespace {
 
 constexpr int kMostTicks = 10;
 
-/// A range that can be drawn: finite and not empty.
+/// Makes a range finite and not empty.
 void mend(Axis& axis) {
   if (!std::isfinite(axis.from) || !std::isfinite(axis.to)) {
     axis.from = 0.0;
     axis.to = 1.0;
   }
   if (axis.from > axis.to) std::swap(axis.from, axis.to);
-  // A range of rounding errors would have ticks that all read the same.
+  // A range of rounding errors would have equal labels at all ticks.
   const double least = 1e-9 * std::max(std::fabs(axis.from), std::fabs(axis.to));
   if (axis.to - axis.from > least) return;
   const double half = axis.from == 0.0 ? 0.5 : 0.05 * std::fabs(axis.from);
@@ -35,7 +35,7 @@ Ticks ticks_for(Axis& axis, int most) {
   return ticks;
 }
 
-/// Leaves out what would stand over the label before it: where there is no room for two.
+/// Drops labels that would overlap the label before them.
 template <class Label, class Place, class Size>
 void keep_apart(std::vector<Label>& labels, const Place& place_of, const Size& size_of) {
   std::vector<Label> kept;
@@ -47,10 +47,10 @@ void keep_apart(std::vector<Label>& labels, const Place& place_of, const Size& s
   labels = std::move(kept);
 }
 
-/// On the middle of a pixel, where a thin line is sharp.
+/// The middle of a pixel, which keeps thin lines sharp.
 double sharp(double pixel) { return std::floor(pixel) + 0.5; }
 
-/// All of the text size.
+/// In text sizes:
 constexpr double kRow = 1.6;
 constexpr double kSwatch = 1.9;
 constexpr double kPadding = 0.7;
@@ -108,7 +108,7 @@ void Plot::lay_out_x() {
   for (int most = kMostTicks; most >= 1; --most) {
     x_ = asked;
     x_labels_ = make_labels(x_, ticks_for(x_, most));
-    // Half of the last label stands beyond the frame.
+    // Half of the last label is beyond the frame.
     const double half = x_labels_.empty() ? 0.0 : 0.5 * text_width(x_labels_.back().text, letters());
     inside_.width = std::max(1.0, room - (x_.names.empty() ? std::max(0.7 * size, half) : 0.7 * size));
     if (!x_.names.empty() || label_distance() >= widest(x_labels_) + size) break;
@@ -246,7 +246,7 @@ void Plot::legend() {
   double words = 0.0;
   for (const Entry& entry : entries_) words = std::max(words, text_width(entry.name, kTickLetters));
   const double wide = kSwatch + 0.6 + 2.0 * kPadding;
-  // In a small picture smaller letters, and in the end fewer of them.
+  // A small picture has smaller letters, and then fewer entries.
   const double room = std::max(1.0, inside_.width - 2.0 * kFromFrame * look_.text_size);
   const double size = look_.text_size * std::clamp(room / ((wide + words) * look_.text_size), kSmallestShare, 1.0);
   const double width = std::min(room, (wide + words) * size);

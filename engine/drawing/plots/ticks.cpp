@@ -9,7 +9,7 @@
 namespace gdtslam {
 namespace {
 
-/// Share of a step by which a tick may lie beyond its range: sums of steps are not exact.
+/// Tolerance of a tick beyond its range, as share of a step, because sums of steps are inexact.
 constexpr double kSlack = 1e-6;
 constexpr int kMostDecimals = 9;
 constexpr double kPlainMost = 1e7;
@@ -20,13 +20,13 @@ double power_of_ten(int exponent) {
   return exponent < 0 ? 1.0 / power : power;
 }
 
-/// The least of 1, 2, 5 times a power of ten that is at least so much.
+/// The least 1, 2 or 5 times a power of ten that is not below `least`.
 double round_up(double least) {
   constexpr int kLeastExponent = -300;
   int exponent = 0;
   while (power_of_ten(exponent) > least && exponent > kLeastExponent) --exponent;
   while (power_of_ten(exponent + 1) <= least) ++exponent;
-  // Just above one of them by rounding is that one.
+  // Values just above one by rounding count as equal.
   for (const double digit : {1.0, 2.0, 5.0}) {
     const double step = exponent < 0 ? digit / power_of_ten(-exponent) : digit * power_of_ten(exponent);
     if (step >= least * (1.0 - 1e-12)) return step;
@@ -86,7 +86,7 @@ double round_length_m(double most_m) {
   if (!(most_m > 0.0) || !std::isfinite(most_m) || most_m < 1e-9) return 0.0;
   const double above = round_up(most_m);
   if (above <= most_m) return above;
-  // One step back in 1, 2, 5: half of it, or two fifths of a five.
+  // The next smaller step of 1, 2, 5: a half, or two fifths of a five.
   for (const double share : {0.5, 0.4}) {
     const double below = round_up(above * share);
     if (below <= most_m) return below;
@@ -102,7 +102,7 @@ std::string rounded_text(double value, const std::string& unit) {
   const double size = std::fabs(value);
   std::string number = size < 1000.0 ? fmt::format("{:#.3g}", size) : fmt::format("{:.0f}", size);
   if (number.ends_with('.')) number.pop_back();
-  // The sign as the axes write it.
+  // The same minus sign as on the axes.
   return (value < 0.0 ? "\xE2\x88\x92" : "") + number + (unit.empty() ? "" : " " + unit);
 }
 

@@ -1,4 +1,4 @@
-// Widths of words as Cairo draws them.
+// Painting of shapes with Cairo, and widths of words.
 #include "cairo_painter.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 #include "gdtslam/drawing/canvas.hpp"
 
 #ifdef GDTSLAM_SANITIZE_ADDRESS
-// Fontconfig keeps the parts of a pattern by offsets, which the search for leaks cannot follow.
+// Fontconfig stores pointers as offsets, which the leak checker cannot follow.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
 extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
 #endif
@@ -24,7 +24,7 @@ extern "C" const char* __lsan_default_options() { return "print_suppressions=0";
 namespace gdtslam {
 namespace {
 
-/// Debian's "sans"; fontconfig gives its nearest one if it is not installed.
+/// Debian's "sans"; fontconfig substitutes the nearest one if it is not installed.
 constexpr const char* kFace = "DejaVu Sans";
 constexpr double kHalo_px = 4.0;
 constexpr std::size_t kMostDashes = 8;
@@ -33,7 +33,7 @@ void set_colour(cairo_t* context, Colour colour, double opacity) {
   cairo_set_source_rgba(context, colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0, opacity);
 }
 
-/// "4 3" as Cairo wants it.
+/// Converts "4 3" to Cairo's form.
 void set_dashes(cairo_t* context, std::string_view text) {
   std::array<double, kMostDashes> lengths{};
   int count = 0;
@@ -73,7 +73,7 @@ void trace(cairo_t* context, const shape::Rectangle& box) {
   cairo_close_path(context);
 }
 
-/// Stated, so that a desktop's settings of its letters change no picture.
+/// Set explicitly, so that a desktop's font settings do not change pictures.
 std::unique_ptr<cairo_font_options_t, CairoDeleter> font_options() {
   std::unique_ptr<cairo_font_options_t, CairoDeleter> options(cairo_font_options_create());
   cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
@@ -100,9 +100,9 @@ double text_start(Anchor anchor, double advance) {
   return 0.0;
 }
 
-constexpr double kMeasured_px = 1000.0;  ///< size of the letters that are measured; widths are proportional
+constexpr double kMeasured_px = 1000.0;  ///< font size for measuring; widths are proportional
 
-/// A font may be used by all threads.
+/// All threads may use this font.
 cairo_scaled_font_t* measured_font(bool is_bold) {
   static const CairoFont fonts[] = {scaled_font(false, kMeasured_px), scaled_font(true, kMeasured_px)};
   return fonts[is_bold ? 1 : 0].get();
@@ -121,7 +121,7 @@ CairoPainter::CairoPainter(cairo_t* context) : context_(context) {
   cairo_set_font_options(context_, font_options().get());
 }
 
-// Cairo has letters of its own, A to z only, for a system without any font: words would be wrong without a notice.
+// Without a font Cairo uses its own letters, only A to z: words would be wrong without notice.
 CairoFont scaled_font(bool is_bold, double size) {
   cairo_matrix_t scale;
   cairo_matrix_init_scale(&scale, size, size);
@@ -217,7 +217,7 @@ void CairoPainter::operator()(const shape::Picture& picture) {
 
 void CairoPainter::operator()(const shape::ClipBegin& clip) {
   cairo_save(context_);
-  cairo_new_path(context_);  // the shape before left its own
+  cairo_new_path(context_);  // drops the path of the previous shape
   cairo_rectangle(context_, clip.corner.x(), clip.corner.y(), clip.width, clip.height);
   cairo_clip(context_);
   ++open_clips_;
@@ -240,7 +240,7 @@ std::string shortened(const std::string& words, double size, double room, bool i
   const std::string dots = "\xE2\x80\xA6";
   std::string cut = words;
   while (!cut.empty() && text_width(cut + dots, size, is_bold) > room) {
-    // A letter may take several bytes: those that continue it go with it.
+    // Removes whole letters: continuation bytes with their first byte.
     while (cut.size() > 1 && (static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
     cut.pop_back();
   }
@@ -261,7 +261,7 @@ std::string shortened_within(const std::string& words, double size, double room,
     for (std::size_t k = letters.size() - count / 2; k < letters.size(); ++k) text += letters[k];
     return text + tail;
   };
-  std::size_t fits = 0;  // so many do, or none can
+  std::size_t fits = 0;  // number of letters that fit
   std::size_t least_beyond = letters.size() + 1;
   while (fits + 1 < least_beyond) {
     const std::size_t count = fits + (least_beyond - fits) / 2;

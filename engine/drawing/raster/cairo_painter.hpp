@@ -1,5 +1,5 @@
-// A drawing's shapes, drawn by Cairo on pixels, SVG and PDF alike.
-// One object belongs to one thread; different threads may paint at once. O(shapes + pixels).
+// Draws shapes with Cairo, for pixels, SVG and PDF alike. One object belongs to one thread; different threads may paint
+// at once. O(shapes + pixels).
 #pragma once
 
 #include <cairo.h>
@@ -23,15 +23,15 @@ using CairoSurface = std::unique_ptr<cairo_surface_t, CairoDeleter>;
 using CairoContext = std::unique_ptr<cairo_t, CairoDeleter>;
 using CairoFont = std::unique_ptr<cairo_scaled_font_t, CairoDeleter>;
 
-/// Throws Error unless all went well; `what` was done, in a few words.
+/// Throws Error if Cairo failed; `what` names the action.
 void check_cairo(cairo_status_t status, const std::string& what);
 
-/// An image with its colours multiplied by their alpha as Cairo wants them.
+/// Copies an image with premultiplied colours, the format of Cairo.
 CairoSurface make_surface(const RgbaImage& image);
-/// The face of all drawings. Throws UnavailableError if there is no font.
+/// The font of all drawings. Throws UnavailableError if there is no font.
 CairoFont scaled_font(bool is_bold, double size);
 
-/// std::visit with it draws a shape.
+/// Visitor for std::visit that draws a shape.
 class CairoPainter {
  public:
   explicit CairoPainter(cairo_t* context);

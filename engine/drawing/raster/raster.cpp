@@ -27,8 +27,8 @@ std::uint32_t count_pixels(double length, double scale) {
   return static_cast<std::uint32_t>(pixels);
 }
 
-// Between our pixels (bytes red, green, blue, alpha) and Cairo's (words of alpha, red, green, blue, the colours
-// multiplied by alpha).
+// Conversion between our pixels (bytes red, green, blue, alpha) and Cairo's (words of alpha, red, green, blue,
+// premultiplied).
 
 std::uint32_t times(std::uint32_t colour, std::uint32_t alpha) {
   const std::uint32_t product = colour * alpha + 128U;
@@ -48,7 +48,7 @@ std::uint8_t colour_for(std::uint32_t premultiplied, std::uint32_t alpha) {
   return static_cast<std::uint8_t>((premultiplied * 255U + alpha / 2U) / alpha);
 }
 
-// Converts in place, so that a picture is in memory once.
+// Converts in place, to keep a picture in memory only once.
 void become_pixels(RgbaImage& image) {
   const std::uint8_t* const end = image.pixels.data() + image.pixels.size();
   for (std::uint8_t* at = image.pixels.data(); at < end; at += 4) {
@@ -84,7 +84,7 @@ void finish_page(const CairoSurface& surface) {
   check_cairo(cairo_surface_status(surface.get()), "writing a picture");
 }
 
-/// Cairo names an image by its number in the process. Numbers by their order make the text depend on the drawing alone.
+/// Cairo numbers images per process. Numbering them by their order makes the text depend on the drawing alone.
 std::string numbered_by_order(const std::string& svg) {
   std::string text;
   std::map<std::string, std::size_t> numbers;
@@ -103,7 +103,7 @@ std::string numbered_by_order(const std::string& svg) {
   return text + svg.substr(copied);
 }
 
-/// Title and words, for screen readers and searches: the letters of the drawing are outlines.
+/// Adds title and words for screen readers and searches, because letters are outlines.
 std::string described(const Canvas& drawing) {
   std::string words;
   for (const Shape& shape : drawing.shapes()) {
@@ -172,7 +172,7 @@ std::string draw_pdf(const Canvas& drawing) {
   const CairoSurface surface(cairo_pdf_surface_create_for_stream(&append, &bytes, drawing.width() * kPointsPerPixel,
                                                                  drawing.height() * kPointsPerPixel));
   check_cairo(cairo_surface_status(surface.get()), "making a PDF");
-  // The same drawing gives the same bytes: without the time of day that Cairo would write.
+  // Without Cairo's time of day the same drawing gives the same bytes.
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, drawing.title().c_str());
   paint(drawing, surface, kPointsPerPixel);

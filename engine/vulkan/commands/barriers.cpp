@@ -31,7 +31,7 @@ void BarrierTracker::begin(const vk::raii::CommandBuffer& commands) {
     memory.srcAccessMask |= AccessBit::eTransferWrite;
   }
   if (before) {
-    // All that comes later waits, so that one barrier serves every buffer.
+    // All later operations wait, so that one barrier serves every buffer.
     memory.dstAccessMask =
         AccessBit::eShaderRead | AccessBit::eShaderWrite | AccessBit::eTransferRead | AccessBit::eTransferWrite;
     commands.pipelineBarrier(before, StageBit::eComputeShader | StageBit::eTransfer, {}, memory, {}, {});

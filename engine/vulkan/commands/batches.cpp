@@ -22,7 +22,7 @@ std::string timeout_text(double limit_s) {
 }  // namespace
 
 std::uint64_t to_nanoseconds(double seconds) {
-  constexpr double kMost = 1.0e9;  // some thirty years; more would not fit
+  constexpr double kMost = 1.0e9;  // some thirty years; larger values would overflow
   return static_cast<std::uint64_t>(std::clamp(seconds, 0.0, kMost) * 1.0e9);
 }
 
@@ -140,7 +140,7 @@ std::uint64_t Batches::done(bool ask) {
 void Batches::note_done(std::uint64_t value) {
   done_ = std::max(done_, value);
   for (std::size_t i = 0; i < kSlots; ++i) {
-    Slot& slot = slots_[(slot_ + 1 + i) % kSlots];  // oldest first, so that the last one read is the newest
+    Slot& slot = slots_[(slot_ + 1 + i) % kSlots];  // oldest first, so that the newest is read last
     if (slot.has_stamps && slot.value <= done_) {
       slot.has_stamps = false;
       read_stamps(slot);

@@ -1,5 +1,5 @@
-// Command buffers in turn: commands are recorded into the open one until it is submitted, a few are in flight, and one
-// timeline semaphore says which are done.
+// Rotating command buffers: commands are recorded into the open one until it is submitted, a few are in flight, and one
+// timeline semaphore shows which are done.
 #pragma once
 
 #include <array>
@@ -14,28 +14,28 @@ class Batches {
  public:
   static constexpr std::size_t kSlots = 3;
 
-  /// A wait asks for spin_s seconds before it sleeps; one of more than wait_limit_s is an error.
+  /// A wait polls for spin_s seconds before it sleeps; more than wait_limit_s is an error.
   Batches(const Device& device, double wait_limit_s, double spin_s);
 
-  /// Called with the slot whose batch is done, before its memory is used again.
+  /// Sets a callback that receives the slot of a finished batch before its memory is reused.
   void set_on_reuse(std::function<void(std::size_t)> on_reuse) { on_reuse_ = std::move(on_reuse); }
 
-  /// The open command buffer; opens one where there is none, which may wait for the oldest batch.
+  /// The open command buffer; opens one if needed, which may wait for the oldest batch.
   const vk::raii::CommandBuffer& commands();
   /// Slot and timeline value of the open batch.
   [[nodiscard]] std::size_t slot() const { return slot_; }
   [[nodiscard]] std::uint64_t value() const { return submitted_ + 1; }
-  /// The host will read what the open batch copies.
+  /// Announces that the host will read copies of the open batch.
   void deliver_to_host() { host_reads_ = true; }
 
-  /// Hands the open batch to the device; nothing when there is none.
+  /// Submits the open batch; does nothing without one.
   void submit();
-  /// Waits for a submitted batch; a wait beyond the limit throws DeviceError.
+  /// Waits for a submitted batch; beyond the limit it throws DeviceError.
   void wait_for(std::uint64_t value);
-  /// The last batch that is known to be done; `ask` asks the device.
+  /// The last batch known to be done; `ask` queries the device.
   std::uint64_t done(bool ask);
   [[nodiscard]] std::uint64_t submitted() const { return submitted_; }
-  /// Waits for what was not known to be done.
+  /// Number of waits for batches not known to be done.
   [[nodiscard]] std::uint64_t wait_count() const { return wait_count_; }
   [[nodiscard]] double last_submission_ns() const { return last_ns_; }
 
@@ -45,7 +45,7 @@ class Batches {
     vk::raii::CommandBuffer commands{nullptr};
     vk::raii::QueryPool stamps{nullptr};
     std::uint64_t value = 0;  ///< timeline value of its last submission
-    bool has_stamps = false;  ///< written, not yet read
+    bool has_stamps = false;  ///< timestamps written, not yet read
   };
   static Slot make_slot(const Device& device);
   void open();
@@ -55,7 +55,7 @@ class Batches {
 
   const Device& device_;
   double wait_limit_s_;
-  double spin_s_;  ///< a part of the limit
+  double spin_s_;  ///< part of the limit
   std::function<void(std::size_t)> on_reuse_;
   std::array<Slot, kSlots> slots_;
   std::size_t slot_ = kSlots - 1;
@@ -67,9 +67,9 @@ class Batches {
   double last_ns_ = 0.0;
 };
 
-/// A limit on waiting as the API takes it.
+/// Converts a wait limit to the API's nanoseconds.
 std::uint64_t to_nanoseconds(double seconds);
-/// The timeline's value as what to wait for.
+/// The wait for a value of the timeline.
 vk::SemaphoreWaitInfo wait_info(const vk::Semaphore& timeline, const std::uint64_t& value);
 
 }  // namespace gdtslam

@@ -1,5 +1,5 @@
-// The only include of Vulkan in the project. Every function is called through the pointers of vk::raii's dispatchers,
-// which come from vulkan_entry(); nothing links the Vulkan library.
+// The only include of Vulkan in the project. Every function is called through vk::raii's dispatchers, whose pointers
+// come from vulkan_entry(); nothing links the Vulkan library.
 #pragma once
 
 #define VK_NO_PROTOTYPES 1

@@ -129,7 +129,7 @@ VulkanListing list_vulkan_devices() {
 
 namespace {
 
-/// "vulkan:0 NAME (KIND)" of each device, for the message that the one asked for is not there.
+/// "vulkan:0 NAME (KIND)" of each device, for the message that the requested one is missing.
 std::string list_devices(const std::vector<VulkanDeviceInfo>& devices) {
   std::string text;
   for (const VulkanDeviceInfo& device : devices) {

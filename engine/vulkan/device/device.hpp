@@ -1,4 +1,4 @@
-// Requirements of a physical device before it is used, and the logical device with its queue and its timeline, which
+// Checks the requirements of a physical device, and creates the logical device with its queue and its timeline, which
 // shows the queue's progress.
 #pragma once
 
@@ -11,12 +11,12 @@
 namespace gdtslam {
 
 VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index);
-/// The queue family that work is given to: the first that computes.
+/// The queue family for the work: the first with compute.
 std::optional<std::uint32_t> compute_family(const vk::raii::PhysicalDevice& device);
 
 class Device {
  public:
-  /// Throws UnavailableError when there is no such device.
+  /// Throws UnavailableError if there is no such device.
   Device(const VulkanInstance& instance, const VulkanOptions& options);
 
   [[nodiscard]] const VulkanDeviceInfo& info() const { return info_; }

@@ -17,7 +17,7 @@ std::string_view read_variable(const char* variable) {
   return value == nullptr ? "" : value;
 }
 
-// Seconds of at least `least` and at most a day.
+// Parses seconds of at least `least` and at most a day.
 double parse_seconds(const char* variable, std::string_view text, double least, const char* what) {
   double seconds = 0.0;
   const char* const end = text.data() + text.size();

@@ -9,7 +9,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::string_view kLoaderMessage = "Loader Message";  // the id of all that the loader says
+constexpr std::string_view kLoaderMessage = "Loader Message";  // the id of all messages of the loader
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr std::uint32_t kApiVersion = VK_API_VERSION_1_2;
 
@@ -47,7 +47,7 @@ void require_validation_layer(const vk::raii::Context& context) {
 }
 
 void require_version(const vk::raii::Context& context) {
-  // A loader of Vulkan 1.0 does not have the function.
+  // A loader of Vulkan 1.0 lacks the function.
   const bool is_known = context.getDispatcher()->vkEnumerateInstanceVersion != nullptr;
   const std::uint32_t version = is_known ? context.enumerateInstanceVersion() : VK_API_VERSION_1_0;
   if (version < kApiVersion) {
@@ -100,7 +100,7 @@ void ValidationLog::hand_out() noexcept {
     }
     return;
   }
-  // No caller can be told by an exception, and validation is asked for to see such faults: the runtime names this one.
+  // No caller is left to catch an exception, and validation is meant to show such faults: the runtime prints this one.
   try {
     throw DeviceError("vulkan", "validation at the end of a backend", take());
   } catch (...) {
@@ -124,7 +124,7 @@ VulkanInstance make_instance(ValidationLog* log) {
   if (log != nullptr) {
     require_validation_layer(context);
     features.setEnabledValidationFeatures(wanted);
-    features.pNext = &messages;  // so that creating the instance is watched, too
+    features.pNext = &messages;  // watches the creation of the instance, too
     info.setPEnabledExtensionNames(extensions);
     info.setPEnabledLayerNames(kValidationLayer);
     info.pNext = &features;

@@ -27,7 +27,7 @@ vk::DescriptorSet DescriptorSets::new_set(const ShaderVariant& variant, const Va
   }
   const vk::DescriptorSetAllocateInfo info(*pools_.back(), *pipeline.set_layout);
   vk::DescriptorSet set;
-  // Not through vk::raii, whose sets free themselves one by one; these go with their pool.
+  // Without vk::raii, whose sets free themselves one by one; these are freed with their pool.
   const vk::raii::Device& device = device_.handle();
   check(device.getDispatcher()->vkAllocateDescriptorSets(
             *device, &static_cast<const VkDescriptorSetAllocateInfo&>(info), reinterpret_cast<VkDescriptorSet*>(&set)),

@@ -1,4 +1,4 @@
-// The descriptor sets that bind buffers to a variant's pipeline.
+// Descriptor sets that bind buffers to a variant's pipeline.
 #pragma once
 
 #include <array>
@@ -13,19 +13,19 @@
 
 namespace gdtslam {
 
-/// Most buffers of a kernel: what every Vulkan device binds to one stage.
+/// Most buffers of a kernel: the limit that every Vulkan device guarantees for a stage.
 inline constexpr std::size_t kMostBindings = 4;
 
-/// Descriptor sets, each written once and used again whenever the same variant meets the same buffers.
+/// Descriptor sets, each written once and reused for the same variant and buffers.
 class DescriptorSets {
  public:
   explicit DescriptorSets(const Device& device) : device_(device) {}
 
-  /// The set for a variant and its buffers, given by id and handle.
+  /// The set of a variant and its buffers, which are given by id and handle.
   vk::DescriptorSet set_for(const ShaderVariant& variant, const VariantPipeline& pipeline,
                             std::span<const std::uint64_t> ids, std::span<DeviceBuffer* const> buffers,
                             std::uint64_t batch);
-  /// Forgets the sets that bind a buffer; they are written anew when the device is done with them.
+  /// Drops the sets that bind a buffer; they are reused when the device is done with them.
   void drop(std::uint64_t buffer_id) noexcept;
   void collect(std::uint64_t done_batch) noexcept;
 
@@ -49,8 +49,8 @@ class DescriptorSets {
   std::vector<vk::raii::DescriptorPool> pools_;
   std::uint32_t sets_left_ = 0;
   std::map<Key, Entry> sets_;
-  std::multimap<Key, Entry> dropped_;  ///< perhaps still in use
-  std::multimap<Key, Entry> unused_;   ///< under a key without buffers, to be written anew
+  std::multimap<Key, Entry> dropped_;  ///< possibly still in use
+  std::multimap<Key, Entry> unused_;   ///< under a key without buffers, to be rewritten
 };
 
 }  // namespace gdtslam

@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Ours, before what the driver gave: a driver need not survive a damaged file.
+/// Our header before the driver's data, because a driver may crash on a damaged file.
 struct FileHeader {
   std::array<char, 8> magic{'G', 'D', 'T', 'P', 'I', 'P', 'E', '1'};
   std::uint64_t bytes = 0;
   std::uint64_t hash = 0;
 };
 
-/// Larger is no cache of ours.
+/// A larger file is not our cache.
 constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20U;
 
 /// FNV-1a.
@@ -58,7 +58,7 @@ bool is_for(const vk::PhysicalDeviceProperties& properties, const std::vector<st
          std::memcmp(header.pipelineCacheUUID, properties.pipelineCacheUUID.data(), VK_UUID_SIZE) == 0;
 }
 
-/// The driver's data from a file; empty when there is none that can be trusted.
+/// The driver's data from a file; empty if there is no valid one.
 std::vector<std::uint8_t> read_file(const std::string& path, const vk::PhysicalDeviceProperties& properties) {
   std::ifstream file(path, std::ios::binary);
   FileHeader header;
@@ -135,7 +135,7 @@ bool fits(const Device& device, const glm::uvec3& local_size) {
   return glm::all(glm::lessThanEqual(local_size, most)) && invocations <= device.info().max_group_invocations;
 }
 
-/// The values of the specialisation constants and where they stand; a shader takes those that it has.
+/// Values and offsets of the specialisation constants; a shader uses those that it has.
 struct Specialization {
   std::array<std::uint32_t, 5> values;
   std::array<vk::SpecializationMapEntry, 5> entries;

@@ -1,4 +1,4 @@
-// A compute pipeline per variant of a kernel, made when it is first used, and what the driver compiled for them.
+// A compute pipeline per variant of a kernel, created on first use, and the cache of the driver's compiled code.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace gdtslam {
 
-/// Compiled pipelines of the driver, kept from run to run: a file per device and driver, which is checked before it is
-/// used and ignored when it is damaged or foreign.
+/// The driver's compiled pipelines, kept between runs: a file per device and driver. It is checked before use, and
+/// ignored if it is damaged or foreign.
 class PipelineCache {
  public:
-  /// An empty folder name: nothing is read or written.
+  /// With an empty folder nothing is read or written.
   PipelineCache(const Device& device, const std::string& folder);
 
   [[nodiscard]] const vk::raii::PipelineCache& handle() const { return handle_; }
   [[nodiscard]] bool was_loaded() const { return was_loaded_; }
-  /// Writes the file anew, under another name first. False when that failed.
+  /// Writes a new file under another name and renames it. False on failure.
   [[nodiscard]] bool save() const;
 
  private:
@@ -41,11 +41,11 @@ class Pipelines {
  public:
   Pipelines(const Device& device, const VulkanOptions& options);
 
-  /// The variant that serves a launch; throws Error when the kernel has none.
+  /// The variant for a launch; throws Error if the kernel has none.
   const ShaderVariant& variant_for(const KernelInfo& kernel, const LaunchShape& shape);
   const VariantPipeline& find_pipeline(const KernelInfo& kernel, const ShaderVariant& variant);
   [[nodiscard]] const PipelineCache& cache() const { return cache_; }
-  /// Pipelines made so far.
+  /// Number of pipelines created.
   [[nodiscard]] std::uint64_t made() const { return made_; }
 
  private:

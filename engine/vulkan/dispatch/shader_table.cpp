@@ -1,5 +1,5 @@
-// Which shader serves which launch on which device: the rows of every kernel, in the order of the registry. The first
-// row that suits is taken, and the last row of a kernel always suits.
+// The shader for each launch and device: the rows of every kernel, in the order of the registry. The first suitable row
+// is chosen, and the last row of a kernel always suits.
 #include "shader_table.hpp"
 
 #include <algorithm>
@@ -33,8 +33,8 @@ constexpr std::uint64_t divided_up(std::uint64_t count, std::uint64_t part) { re
 
 // ------------------------------------------------------------------------------------------------ numbers of groups
 
-/// Groups that cover `count` things, `per_group` each: folded into rows of at most 65535, so a shader's linear group is
-/// gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x and may be beyond the count.
+/// Groups that cover `count` items, `per_group` each: folded into rows of at most 65535, so a shader's linear group is
+/// gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x and may exceed the count.
 GroupCount groups_for(std::uint64_t count, std::uint32_t per_group) {
   const std::uint64_t groups = divided_up(count, per_group);
   const std::uint64_t rows = std::max<std::uint64_t>(1, divided_up(groups, kMostGroups));
@@ -42,9 +42,8 @@ GroupCount groups_for(std::uint64_t count, std::uint32_t per_group) {
           1};
 }
 
-/// Groups of a grid launch: along x they cover `columns` things, along y `rows` rows. A shader goes on by the
-/// launch's rows where that leaves some (launch_rows() in shaders/common/launch.glsl), so any
-/// number of rows is covered.
+/// Groups of a grid launch: along x they cover `columns` items, along y `rows` rows. A shader loops over rows that the
+/// launch does not cover (launch_rows() in shaders/common/launch.glsl), so any number of rows is allowed.
 GroupCount grid_groups(std::uint64_t columns, std::uint32_t group_columns, std::uint32_t rows) {
   return {static_cast<std::uint32_t>(divided_up(columns, group_columns)), std::min(rows, kMostGroups), 1};
 }
@@ -56,50 +55,50 @@ GroupCount linear(const LaunchShape& shape) {
   return groups_for(shape.threads.x, kPerGroup);
 }
 
-constexpr std::uint32_t kGroup = 128;  // invocations: what every device has
+constexpr std::uint32_t kGroup = 128;  // invocations that every device supports
 
-/// Groups for a kernel over its grid, in which an invocation takes `kCellsEach` neighbours of a row.
+/// Groups for a kernel over its grid, with `kCellsEach` neighbours of a row per invocation.
 template <class K, std::uint32_t kCellsEach>
 GroupCount grid(const LaunchShape& shape) {
   const auto params = launch_params<K>(shape);
   return grid_groups(divided_up(params.width, kCellsEach), kGroup, params.height);
 }
 
-/// The quads of the global field's row that the scan's field touches.
+/// Quads in the global field's row that overlap the scan's field.
 GroupCount merged_quads(const LaunchShape& shape) {
   const auto params = launch_params<GdtMerge>(shape);
   const std::uint64_t end = divided_up(std::uint64_t{params.offset_x} + params.scan_width, 4);
   return grid_groups(end - params.offset_x / 4, kGroup, params.scan_height);
 }
 
-/// Quads of all tiles that are stamped.
+/// Quads of all stamped tiles.
 GroupCount stamped_quads(const LaunchShape& shape) {
   return groups_for(std::uint64_t{shape.threads.x} * (kStampTile * kStampTile / 4), kGroup);
 }
 
-/// Words of two cells of the new field, one an invocation.
+/// Words of two cells of the new field, one per invocation.
 GroupCount grown_words(const LaunchShape& shape) {
   const auto params = launch_params<FieldGrow>(shape);
   return groups_for(divided_up(params.width, 2) * params.height, kGroup);
 }
 
-/// Samples of a window's row, four an invocation: a column of nine is loaded once a sample, and two more columns once
+/// Samples of a window's row, four per invocation: a column of nine is loaded once a sample, and two more columns once
 /// an invocation.
 GroupCount row_pieces(const LaunchShape& shape) {
-  constexpr std::uint32_t kPiece = 4;  // that of the shader
+  constexpr std::uint32_t kPiece = 4;  // equal to the shader's
   const auto params = launch_params<LatticeMinima>(shape);
   return groups_for(divided_up(params.count_xy, kPiece) * params.count_xy * params.count_theta, kGroup);
 }
 
 // ------------------------------------------------------------------------------------------------ which row suits
 
-/// Whether an invocation may take so many turns of loops, all its loops together. lavapipe leaves every loop after its
-/// first turn once an invocation has taken 65,535 (measured, Mesa 22.3), and says nothing.
+/// Whether an invocation may take this many turns in all its loops together. lavapipe leaves every loop after its first
+/// turn once an invocation has taken 65,535 (measured, Mesa 22.3), without any message.
 bool fits_loops(const VariantContext& context, std::uint64_t turns) {
   return context.device.kind != "lavapipe" || turns < 65535;
 }
 
-// Constants of the shaders stand in the rows as numbers: 0 and 1.
+// Constants of the shaders appear in the rows as numbers: 0 and 1.
 constexpr std::uint32_t kBilinear = static_cast<std::uint32_t>(Interpolation::kBilinear);
 constexpr std::uint32_t kNearest = static_cast<std::uint32_t>(Interpolation::kNearest);
 constexpr std::uint32_t kSmallTiles = 0;
@@ -120,13 +119,13 @@ bool descends_by(const VariantContext& context) {
   return static_cast<std::uint32_t>(launch_params<PoseSimplex>(context.shape).cost.interpolation) == kInterpolation;
 }
 
-/// The group for descents so long that a device which ends loops needs many invocations, and points a turn of its loop.
+/// Group size, and points per turn of the loop, for very long descents on a device that ends loops.
 constexpr std::uint32_t kLongDescentGroup = 1024;
 constexpr std::uint32_t kPointsATurn = 16;
 
-/// Whether `turns` turns of a loop for each pose that is costed are few enough.
+/// Whether `turns` turns of a loop per evaluated pose are few enough.
 bool fits_descent(const VariantContext& context, std::uint32_t turns) {
-  // The last move costs up to five poses beyond the limit.
+  // The last move evaluates up to five poses beyond the limit.
   const std::uint64_t evaluations = std::uint64_t{launch_params<PoseSimplex>(context.shape).max_evaluations} + 5;
   return fits_loops(context, evaluations * (turns + 1));
 }
@@ -148,7 +147,7 @@ bool takes_many(const VariantContext& context) { return context.device.max_group
 using Suits = bool (*)(const VariantContext&);
 using Groups = GroupCount (*)(const LaunchShape&);
 
-/// A group shares the points out; it has one thing of the launch to do.
+/// A group shares the points of one item of the launch.
 constexpr ShaderVariant by_groups(const ShaderSource& shader, std::uint32_t group,
                                   std::array<std::uint32_t, 2> constants, Suits suits) {
   return {.shader = shader,

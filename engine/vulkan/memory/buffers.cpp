@@ -9,7 +9,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{32} << 20U;
-/// A block takes at most one part in this many of the heap, so that the first buffer does not fill a small device.
+/// Divisor of the heap's size for the largest block, so that the first buffer does not fill a small device.
 constexpr std::size_t kBlocksOfHeap = 16;
 
 std::optional<std::uint32_t> find_type(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t bits,

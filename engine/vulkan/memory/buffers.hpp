@@ -1,4 +1,4 @@
-// The buffers of a device by their ids, and those that are released and still in use by the device.
+// The buffers of a device by id, and released buffers that the device still uses.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,22 @@
 
 namespace gdtslam {
 
-// Device memory: few large blocks, cut into the ranges that buffers are bound to.
+// Device memory: few large blocks, divided into ranges for buffers.
 
 /// A range of a block of device memory.
 struct MemoryRange {
   vk::DeviceMemory memory;
-  std::uint64_t block = 0;  ///< which block, for give_back()
+  std::uint64_t block = 0;  ///< its block, for give_back()
   std::size_t offset = 0;
   std::size_t bytes = 0;
 };
 
-/// First-fit allocation from blocks; a buffer that is large against a block gets its own.
+/// First-fit allocation from blocks; a buffer that is large relative to a block gets its own.
 class BlockMemory {
  public:
   explicit BlockMemory(const Device& device);
 
-  /// Throws DeviceError with the sizes when the device has no more.
+  /// Throws DeviceError with the sizes if the device has no more.
   MemoryRange take(const vk::MemoryRequirements& requirements);
   void give_back(const MemoryRange& range) noexcept;
   /// Size of all blocks together.
@@ -49,7 +49,7 @@ class BlockMemory {
   std::list<Block> blocks_;
 };
 
-/// A type of memory that is allowed by `bits` and has the wanted properties, then one with the needed ones.
+/// A memory type allowed by `bits`, with the wanted properties if possible, else with the needed ones.
 std::uint32_t memory_type(const Device& device, std::uint32_t bits, vk::MemoryPropertyFlags wanted,
                           vk::MemoryPropertyFlags needed);
 
@@ -63,7 +63,7 @@ struct DeviceBuffer {
   std::uint64_t last_batch = 0;  ///< the last batch that uses it
 };
 
-/// Bytes that a buffer of `bytes` really has.
+/// Allocated bytes of a buffer of `bytes`.
 std::size_t padded_size(std::size_t bytes);
 
 class Buffers {
@@ -73,16 +73,16 @@ class Buffers {
   Buffers& operator=(const Buffers&) = delete;
   ~Buffers();
 
-  /// Throws DeviceError with both sizes when it exceeds what the device allows. Calls nothing.
+  /// Throws DeviceError with both sizes if it exceeds the device's limit. Makes no call.
   void check_size(std::size_t bytes) const;
   std::uint64_t create(std::size_t bytes);
   DeviceBuffer& at(std::uint64_t id) { return live_.at(id); }
-  /// Puts a buffer aside until its last batch is done.
+  /// Keeps a buffer until its last batch is done.
   void release(std::uint64_t id) noexcept;
-  /// Destroys what was put aside and whose batch is done.
+  /// Destroys released buffers whose batch is done.
   void collect(std::uint64_t done_batch) noexcept;
   [[nodiscard]] bool has_released() const { return !released_.empty(); }
-  /// Whether that much more would bring the device's memory near its end.
+  /// Whether an allocation of this size would almost exhaust the device's memory.
   [[nodiscard]] bool would_be_tight(std::size_t bytes) const;
 
  private:

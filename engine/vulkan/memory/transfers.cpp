@@ -77,7 +77,7 @@ void Transfers::make_ready(DeviceBuffer& buffer) {
 }
 
 void Transfers::upload(DeviceBuffer& target, std::span<const std::byte> data, std::size_t offset) {
-  // A buffer that is overwritten as a whole needs no zeros first, except for the bytes that fill up its last word.
+  // A buffer that is fully overwritten needs no zeroing first, except for the padding of its last word.
   if (data.size() == target.bytes && target.bytes % 4 == 0) {
     target.is_fresh = false;
   }

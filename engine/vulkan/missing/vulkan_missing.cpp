@@ -1,4 +1,4 @@
-// Replacement for the Vulkan part in a build without it (GDTSLAM_BUILD_VULKAN=OFF); its header needs no Vulkan.
+// Replaces the Vulkan part in builds without it (GDTSLAM_BUILD_VULKAN=OFF); its header needs no Vulkan.
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 

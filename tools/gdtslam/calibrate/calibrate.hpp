@@ -1,6 +1,6 @@
-// Parts of `gdtslam calibrate`: from the log of a standing robot, with known kinds of surfaces around it, to a linkage
-// (run.cpp); --self, which maps the logs with the start's linkage and makes the strokes of the laser agree
-// (self_run.cpp); averages of ranges (stops.cpp); text, JSON and figure. One run belongs to one thread.
+// Parts of `gdtslam calibrate`. run.cpp finds a linkage from the log of a standing robot among surfaces of known kinds.
+// self_run.cpp (--self) maps the logs with the start's linkage and makes the laser's strokes agree. stops.cpp averages
+// ranges; then text, JSON and figure. One run belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -21,48 +21,49 @@
 
 namespace gdtslam {
 
-// Observations: every beam asked for gets the crank's place at its time; ranges of the same beam from the same place of
-// the crank are averaged. Memory: one entry per place and beam.
+// Observations: each selected beam gets the crank's position at its time; ranges of one beam at one position are
+// averaged. Memory: one entry per position and beam.
 
 struct StopStatistics {
   std::uint64_t scans = 0;
-  std::uint64_t uncovered = 0;  ///< scans at whose time the crank's place is not known
-  std::uint64_t ranges = 0;     ///< returns of the beams asked for
-  std::uint64_t stops = 0;      ///< places of the crank with a range
-  double range_sigma_m = 0.0;   ///< sigma of one range, from its scatter about a place
+  std::uint64_t uncovered = 0;  ///< scans at a time without a known crank position
+  std::uint64_t ranges = 0;     ///< returns of the selected beams
+  std::uint64_t stops = 0;      ///< crank positions with a range
+  double range_sigma_m = 0.0;   ///< sigma of one range, from the scatter at a position
 };
 
-/// The crank's place, in turns, at a time between the knots; nothing for fewer than two.
+/// The crank's position, in turns, at a time between the knots; empty for fewer than two knots.
 std::optional<double> turns_at(const std::vector<PhaseKnot>& knots, double offset_s);
 
 class StopCollector {
  public:
-  /// Beams within half the sector of the forward direction, at least the forward one; of many every so many.
+  /// Selects beams within half the sector of the forward direction, at least the forward one; a large sector is
+  /// thinned.
   StopCollector(const calib::SweepModel& model, double sector_rad);
   void take(const LogRecord& record);
-  /// The log has ended: scans that still wait for the crank are given what is known of it; the next log has a clock and
-  /// an odometry of its own. Returns what was wrong with the crank's messages. Throws InputError where the robot moved,
-  /// and where an encoder without an index mark jumped: behind that nothing tells where the crank was.
+  /// Call it at the end of each log: places waiting scans with the known crank positions. The next log has its own
+  /// clock and odometry. Returns faults of the crank's messages. Throws InputError if the robot moved, or if an encoder
+  /// without an index mark jumped, because the crank's position is unknown afterwards.
   std::vector<LogReader::Warning> finish_log(const std::string& name);
-  /// Averages, those of few ranges left out. `sigma_m` of one range; 0: from the scatter. Throws InputError where the
-  /// log holds no crank, no scan, or none at a time at which the crank's place is known.
+  /// Averages, without those of few ranges. `sigma_m` of one range; 0: from the scatter. Throws InputError if the log
+  /// has no crank, no scan, or no scan at a time with a known crank position.
   [[nodiscard]] std::vector<calib::RangeObservation> observations(double sigma_m);
   [[nodiscard]] const StopStatistics& statistics() const { return statistics_; }
 
  private:
-  /// Sums over the ranges of one beam from one place.
+  /// Sums over the ranges of one beam at one position.
   struct Sums {
     std::uint32_t scans = 0;
     std::uint32_t count = 0;
     double first_ticks = 0.0;
     double first_range_m = 0.0;
-    double ticks = 0.0;  ///< less first_ticks, as the range is less first_range_m: the squares keep their digits
+    double ticks = 0.0;  ///< less first_ticks, and the range less first_range_m: keeps the digits of the squares
     double range_m = 0.0;
     double sq_ticks = 0.0;
     double sq_range = 0.0;
     double product = 0.0;
   };
-  /// How far the robot went from where its odometry had it first.
+  /// Largest distance of the robot from its first odometry pose.
   struct Travel {
     double metres = 0.0;
     double angle_rad = 0.0;
@@ -81,14 +82,14 @@ class StopCollector {
   double half_sector_rad_;
   calib::NodTrack track_;
   std::deque<LaserScan> waiting_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Sums> sums_;  ///< by place and beam
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Sums> sums_;  ///< by position and beam
   double bearing_first_rad_ = 0.0;
   double bearing_step_rad_ = 0.0;  ///< 0 before the first scan
   std::optional<Pose2> T_odom_first_;
   Travel travel_;
   LogReader::Warning uncovered_{
       .kind = "scans without the crank's position", .count = 0, .first = ""};  ///< in this log
-  calib::NodTrack::Count gaps_;  ///< between messages of the encoder, of the logs that ended
+  calib::NodTrack::Count gaps_;  ///< between the encoder's messages, in finished logs
   std::uint64_t encoder_messages_ = 0;
   std::uint64_t tilt_messages_ = 0;
   StopStatistics statistics_;
@@ -97,7 +98,7 @@ class StopCollector {
 struct CalibrateJob {
   std::vector<std::string> logs;
   calib::SweepModel start;
-  std::string surfaces = "wall";  ///< the option's text: "wall=2m@30deg,ceiling"
+  std::string surfaces = "wall";  ///< text of the option: "wall=2m@30deg,ceiling"
   bool distances_known = false;
   bool headings_free = false;
   double sector_rad = 0.0;  ///< 0: the forward beam
@@ -112,18 +113,18 @@ struct CalibrateOutcome {
   calib::CalibrationResult result;
   std::vector<calib::RangeObservation> observations;  ///< with their surfaces, all elevations
   double max_elevation_rad = 0.0;
-  std::size_t unassigned = 0;  ///< averages that belong to no surface
+  std::size_t unassigned = 0;  ///< averages without a surface
   StopStatistics statistics;
   std::vector<LogReader::Warning> warnings;  ///< from the readers and the encoder
-  std::string distrust;                      ///< why the result is not to be used; empty where it is
+  std::string distrust;                      ///< reason not to use the result; empty: none
 };
 
-/// Throws UsageError for surfaces that make no sense before any log is read; InputError, FileError or ConfigError.
+/// Throws UsageError for impossible surfaces before reading a log; InputError, FileError or ConfigError.
 CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<void(double)>& progress,
                                  const std::function<bool()>& stop);
 
-/// Figure A of the paper: measured and modelled ranges over the encoder, and what is left of them over the elevation,
-/// before and after.
+/// Figure A of the paper: measured and modelled ranges over the encoder, and residuals over the elevation, before and
+/// after.
 Canvas calibration_figure(const CalibrateOutcome& outcome);
 
 struct SelfCalibrateJob {
@@ -137,10 +138,10 @@ struct SelfCalibrateOutcome {
   calib::SweepModel start;
   calib::SelfCalibrationResult result;
   std::uint64_t scans = 0;
-  std::uint64_t beams = 0;  ///< compared, a part of all spread evenly
+  std::uint64_t beams = 0;  ///< beams compared, an even sample of all
   std::uint32_t strokes = 0;
   std::vector<LogReader::Warning> warnings;  ///< from the readers and the encoder
-  std::string distrust;                      ///< why the result is not to be used; empty where it is
+  std::string distrust;                      ///< reason not to use the result; empty: none
 };
 
 /// Throws InputError, FileError, ConfigError.

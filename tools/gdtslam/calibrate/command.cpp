@@ -1,4 +1,4 @@
-// gdtslam calibrate: a linkage from ranges to known kinds of surfaces, with what is known of each parameter.
+// gdtslam calibrate: a linkage from ranges to surfaces of known kinds, with each parameter's uncertainty.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -76,8 +76,8 @@ CalibrateJob make_job(const CalibrateCommand& command) {
   return job;
 }
 
-// The sigmas that the linkage file states: those of parameters that data or priors hold. They are valid for a model
-// that fits, so a file that is written by force has none.
+// Sigmas in the linkage file: those of parameters determined by data or priors. They are valid only if the model fits,
+// so a file written with --force has none.
 template <typename Outcome>
 std::vector<ParameterSigma> stated_sigmas(const Outcome& outcome) {
   std::vector<ParameterSigma> list;
@@ -97,7 +97,7 @@ void refuse_distrusted(const CalibrateCommand& command, const std::string& distr
   print_remark("warning: not to be trusted, written by --force and without uncertainties: " + distrust);
 }
 
-// Runs the job with its progress shown, in `unit`.
+// Runs the job with a progress line that counts in `unit`.
 template <typename Run>
 auto with_progress(const CalibrateCommand& command, const char* unit, const Run& run) {
   ProgressLine progress(unit, command.quiet);
@@ -108,7 +108,7 @@ auto with_progress(const CalibrateCommand& command, const char* unit, const Run&
   return outcome;
 }
 
-// Writes the linkage and the figure, both or none, and prints what came out.
+// Writes both linkage and figure or neither, and prints the result.
 template <typename Outcome>
 int finish(const CalibrateCommand& command, const Outcome& outcome, const std::optional<Canvas>& figure = {}) {
   AtomicFileSet files;

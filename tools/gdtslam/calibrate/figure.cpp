@@ -27,12 +27,12 @@ constexpr double kFigureHeight = 900.0;
 constexpr double kFigureMargin = 40.0;
 constexpr double kPlotHeight = 380.0;
 constexpr int kCurveSteps = 1000;
-constexpr std::size_t kMostDots = 1500;  // in a plot, spread evenly
-constexpr double kWellInside = 0.98;     // share of the residuals that the scale holds
+constexpr std::size_t kMostDots = 1500;  // in a plot, an even sample
+constexpr double kWellInside = 0.98;     // share of the residuals within the scale
 constexpr Colour kBefore = ink::kLaser;
 constexpr Colour kAfter = ink::kCoupler;
 
-/// The model of the scanner, before or after the calibration, for the figure.
+/// The scanner's model before or after the calibration.
 struct Belief {
   const SweepModel& model;
   const std::vector<CalibrationSurface>& surfaces;
@@ -44,7 +44,7 @@ double least_bearing(const std::vector<RangeObservation>& observations) {
   return least;
 }
 
-/// Elevation in degrees and measured less modelled range in millimetres, of the observations that the calibration used.
+/// Elevation in degrees, and measured minus modelled range in millimetres, of the observations used.
 std::vector<Point2> compute_residuals(const Belief& belief, const CalibrateOutcome& outcome) {
   std::vector<Point2> residuals;
   const std::size_t step = 1 + outcome.observations.size() / kMostDots;
@@ -63,7 +63,7 @@ std::vector<Point2> compute_residuals(const Belief& belief, const CalibrateOutco
   return residuals;
 }
 
-/// The range of the forward beam over a turn.
+/// Range of the forward beam over a turn.
 std::vector<Point2> range_curve(const Belief& belief) {
   std::vector<Point2> points;
   for (int k = 0; k <= kCurveSteps; ++k) {
@@ -81,7 +81,7 @@ std::vector<Point2> range_curve(const Belief& belief) {
   return points;
 }
 
-// A card with a plot.
+// Draws a card and returns its plot.
 Plot plot_on_card(Canvas& canvas, double top, const std::string& title, const Axis& x, const Axis& y) {
   const double width = kFigureWidth - 2.0 * kFigureMargin;
   canvas.rectangle({kFigureMargin, top}, width, kPlotHeight, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, 10.0);

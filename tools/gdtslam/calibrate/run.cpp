@@ -21,12 +21,12 @@ namespace {
 constexpr double kFirstGate_m = 0.5;
 constexpr double kGateSigmas = 10.0;
 constexpr double kLeastGate_m = 0.03;
-constexpr double kNearEdge = 0.1;  // share of the extents of the ranges: a guess that a few strays do not move
+constexpr double kNearEdge = 0.1;  // share of the extreme ranges that is skipped, so that a few outliers do not matter
 constexpr std::size_t kMostSurfaces = 16;
 constexpr std::size_t kZerosTried = 144;    // 2.5 deg apart
-constexpr std::size_t kRangesTried = 2000;  // a sample, spread evenly
+constexpr std::size_t kRangesTried = 2000;  // an even sample
 
-/// A surface as it was named, with its distance from the nodding axis where one was given.
+/// A surface from the options, with its distance from the nodding axis if given.
 struct NamedSurface {
   calib::CalibrationSurface surface;
   bool has_distance = false;
@@ -82,7 +82,7 @@ NamedSurface parse_surface(const std::string& text) {
   return result;
 }
 
-// From "wall", "wall=2m", "wall=2m@30deg,ceiling=2.2m,floor".
+// Parses "wall", "wall=2m", "wall=2m@30deg,ceiling=2.2m,floor".
 std::vector<NamedSurface> parse(const std::string& text) {
   std::vector<NamedSurface> list;
   std::size_t from = 0;
@@ -95,7 +95,7 @@ std::vector<NamedSurface> parse(const std::string& text) {
   return list;
 }
 
-// "wall", then "wall2", ...: names are what the parameters are called by.
+// Names them "wall", "wall2", ...: the parameters' names contain these.
 void number_names(std::vector<NamedSurface>& list) {
   for (std::size_t k = 0; k < list.size(); ++k) {
     std::size_t before = 0;
@@ -104,9 +104,8 @@ void number_names(std::vector<NamedSurface>& list) {
   }
 }
 
-// How far the ranges reach along the surface's normal, in falling order: for a wall its nearest ranges count, because
-// no beam meets it nearer than at its foot; for floor and ceiling the farthest do.
-// Nothing where no range reaches that way.
+// Distance of a surface from the ranges along its normal. A wall uses its nearest ranges, because no beam meets it
+// nearer than at its foot; floor and ceiling use the farthest. Empty if no range points that way.
 std::optional<double> guessed_distance_m(const calib::CalibrationSurface& surface, const calib::SweepModel& start,
                                          const std::vector<calib::RangeObservation>& ranges) {
   std::vector<double> reaches_m;
@@ -126,7 +125,7 @@ std::optional<double> guessed_distance_m(const calib::CalibrationSurface& surfac
   return value_at_share(reaches_m, surface.kind == calib::SurfaceKind::kWall ? kNearEdge : 1.0 - kNearEdge);
 }
 
-// Surfaces without a distance get one guessed from the ranges under the start's elevations.
+// Guesses missing distances from the ranges, with the start's elevations.
 std::vector<calib::CalibrationSurface> placed_surfaces(const std::vector<NamedSurface>& named,
                                                        const calib::SweepModel& start,
                                                        const std::vector<calib::RangeObservation>& ranges) {
@@ -144,7 +143,7 @@ std::vector<calib::CalibrationSurface> placed_surfaces(const std::vector<NamedSu
   return surfaces;
 }
 
-// Whether each has a distance, or one that can be guessed.
+// Whether each surface has a distance or one can be guessed.
 bool can_be_placed(const std::vector<NamedSurface>& named, const calib::SweepModel& start,
                    const std::vector<calib::RangeObservation>& ranges) {
   return std::all_of(named.begin(), named.end(), [&](const NamedSurface& entry) {
@@ -168,7 +167,7 @@ std::vector<NamedSurface> parse_surfaces(const CalibrateJob& job) {
   return surfaces;
 }
 
-// At one place of its crank any linkage has the elevation that is seen.
+// Ranges at a single crank position fit any linkage.
 void require_turning(const StopStatistics& statistics) {
   if (statistics.stops > 1) return;
   throw InputError(
@@ -180,8 +179,8 @@ void require_turning(const StopStatistics& statistics) {
                         statistics.scans));
 }
 
-// Under a wrong zero most ranges miss their surfaces by more than the first gate, so the zero is sought before any is
-// taken out. O(zeros x ranges x surfaces).
+// With a wrong zero most ranges miss their surfaces by more than the first gate, so the zero is searched before any
+// range is rejected. O(zeros x ranges x surfaces).
 calib::SweepModel with_sought_zero(const CalibrateJob& job, const std::vector<NamedSurface>& surfaces,
                                    const std::vector<calib::RangeObservation>& all, const std::function<bool()>& stop) {
   std::vector<calib::RangeObservation> some;
@@ -205,8 +204,8 @@ calib::SweepModel with_sought_zero(const CalibrateJob& job, const std::vector<Na
 
 }  // namespace
 
-// Two passes: the start may be degrees off, so at first a range counts for a surface that it misses by half a metre;
-// with the linkage found so far the gate closes to the ranges' own scatter.
+// Two passes: the start may be degrees off, so at first a range may miss its surface by half a metre. With the linkage
+// found by then, the gate closes to the ranges' own scatter.
 CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<void(double)>& progress,
                                  const std::function<bool()>& stop) {
   CalibrateOutcome outcome;

@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::size_t kMostBeams = 60'000;
 constexpr double kBeamSpacing_rad = 1.5 * kPi / 180.0;
-constexpr double kMostPoseGap_s = 0.2;  // a beam this far from any pose of the trajectory has none
-constexpr double kSetBack_s = 1.0;      // stamps that step back by more are of another clock
-constexpr double kMostRange_m = 12.0;   // farther surfaces are too thin to be told
+constexpr double kMostPoseGap_s = 0.2;  // farther from any pose of the trajectory, a beam has no pose
+constexpr double kSetBack_s = 1.0;      // a larger step back means another clock
+constexpr double kMostRange_m = 12.0;   // farther surfaces are sampled too thinly
 constexpr double kLeastRange_m = 0.3;
 
-/// A beam with all that the linkage does not change.
+/// A beam with all its data that do not depend on the linkage.
 struct SelfBeam {
   double ticks = 0.0;
   double bearing_rad = 0.0;
@@ -30,7 +30,7 @@ struct SelfBeam {
   Pose2 T_map_level;
 };
 
-// The robot's poses as the start's linkage maps the log.
+// Maps the log with the start's linkage; returns the robot's poses.
 Trajectory mapped_poses(const SelfCalibrateJob& job, SelfCalibrateOutcome& found,
                         const std::function<void(double)>& progress, const std::function<bool()>& stop) {
   const std::unique_ptr<Backend> backend = make_cpu_backend(CpuOptions{.threads = 1, .isa = std::nullopt});
@@ -65,7 +65,7 @@ std::optional<Pose2> pose_at(const Trajectory& trajectory, double stamp_s) {
   return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, after->T_map_base)));
 }
 
-/// Poses in the order of the logs, each of which has a clock of its own: another stretch begins where stamps step back.
+/// Poses in the order of the logs. Each log has its own clock: a new stretch begins if stamps step back.
 class PosesOfLogs {
  public:
   explicit PosesOfLogs(const Trajectory& trajectory) : stretches_(1) {
@@ -81,12 +81,12 @@ class PosesOfLogs {
     }
   }
 
-  /// The next scan of the logs, in their order.
+  /// Moves to the next scan, in the order of the logs.
   void go_to_scan(double stamp_s) {
     if (steps_back(last_scan_s_, stamp_s) && now_ + 1 < stretches_.size()) ++now_;
     last_scan_s_ = stamp_s;
   }
-  /// About the time of that scan.
+  /// Pose at a time near that scan.
   [[nodiscard]] std::optional<Pose2> at(double stamp_s) const { return pose_at(stretches_[now_], stamp_s); }
 
  private:
@@ -97,7 +97,7 @@ class PosesOfLogs {
   double last_scan_s_ = -std::numeric_limits<double>::infinity();
 };
 
-/// Collects beams, every one at first, and drops every second one each time that there are too many.
+/// Collects all beams at first, and drops every second one whenever there are too many.
 class BeamCollector {
  public:
   explicit BeamCollector(const calib::SweepModel& model, const Trajectory& trajectory)
@@ -156,7 +156,7 @@ class BeamCollector {
   bool lifts_ = false;
 };
 
-// Equations (12) and (14) in double precision, each beam with its own elevation and pose.
+// Equations (12) and (14) in double precision, with the elevation and pose of each beam.
 std::vector<Point3> assembled(const std::vector<SelfBeam>& beams, const calib::SweepModel& model) {
   std::vector<Point3> points;
   points.reserve(beams.size());

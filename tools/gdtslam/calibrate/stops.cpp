@@ -13,20 +13,20 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kPlacesPerTurn = 1000.0;  // 0.36 deg: within it ranges bend by less than 0.1 mm
+constexpr double kPlacesPerTurn = 1000.0;  // 0.36 deg: inside of it ranges bend by less than 0.1 mm
 constexpr double kMostStopBeams = 41.0;
 constexpr std::size_t kMostWaiting = 4096;
-constexpr double kMemory_s = 1.0;        // time of the crank's messages that are kept before the oldest scan that waits
-constexpr double kLeastSigma_m = 0.001;  // a laser that repeats itself exactly is not exact for that
-constexpr double kLeastMeanSigma_m = 1e-4;  // nor are averages beyond the wall's flatness
+constexpr double kMemory_s = 1.0;           // kept crank messages before the oldest waiting scan
+constexpr double kLeastSigma_m = 0.001;     // a perfectly repeatable laser still has an error
+constexpr double kLeastMeanSigma_m = 1e-4;  // limited by the flatness of the wall
 constexpr double kUnknownSigma_m = 0.01;    // if no place has enough ranges to estimate it
 constexpr std::uint32_t kEnoughForScatter = 5;
 constexpr double kLeastStopRange_m = 0.05;
-constexpr double kMostTravel_m = 0.05;                         // for a robot that stands
-constexpr double kMostTurn_rad = 3.0 * kPi / 180.0;            // for a robot that stands
+constexpr double kMostTravel_m = 0.05;                         // limit for a standing robot
+constexpr double kMostTurn_rad = 3.0 * kPi / 180.0;            // limit for a standing robot
 constexpr double kMostBearingChange_rad = 1e-3 * kPi / 180.0;  // per beam from scan to scan; logs round their angles
 
-// The beam nearest to the forward direction; the first one where none is ahead.
+// Index of the beam nearest to the forward direction; 0 if none points ahead.
 std::size_t beam_ahead(const LaserScan& scan) {
   const double place = std::floor(-scan.first_bearing_rad / scan.bearing_step_rad + 0.5);
   return place >= 0.0 && place < static_cast<double>(scan.ranges_m.size()) ? static_cast<std::size_t>(place) : 0;
@@ -91,7 +91,7 @@ std::vector<LogReader::Warning> StopCollector::finish_log(const std::string& nam
   return warnings;
 }
 
-// A log without a crank has a fault of its own, see observations().
+// A log without a crank is reported by observations().
 void StopCollector::require_standing(const std::string& name) const {
   if (encoder_messages_ == 0 || (travel_.metres <= kMostTravel_m && travel_.angle_rad <= kMostTurn_rad)) return;
   throw InputError(
@@ -120,7 +120,7 @@ void StopCollector::place_scans(bool at_end) {
     const bool is_covered = known_s && *known_s >= scan.stamp_s + std::max(0.0, last_s);
     if (!is_covered && !at_end && waiting_.size() <= kMostWaiting) return;
     add(scan);
-    // One stamp far ahead must not cost what the others need.
+    // A single stamp far ahead must not remove messages that other scans need.
     double oldest_s = std::min(scan.stamp_s + std::min(0.0, timing.first_s), known_s.value_or(scan.stamp_s));
     waiting_.pop_front();
     for (const LaserScan& other : waiting_) oldest_s = std::min(oldest_s, other.stamp_s);
@@ -128,13 +128,13 @@ void StopCollector::place_scans(bool at_end) {
   }
 }
 
-// Every so many beams, so that at most kMostStopBeams of a sector are used.
+// Step between beams that keeps at most kMostStopBeams of a sector.
 std::size_t StopCollector::beam_step(const LaserScan& scan) const {
   const double beams = 2.0 * half_sector_rad_ / std::fabs(scan.bearing_step_rad) + 1.0;
   return static_cast<std::size_t>(std::max(1.0, std::ceil(beams / kMostStopBeams)));
 }
 
-// Ranges are averaged by the beam's number, so a number must mean one bearing.
+// Ranges are averaged by beam number, so a number must mean the same bearing in all scans.
 void StopCollector::note_beams(const LaserScan& scan) {
   if (bearing_step_rad_ == 0.0) {
     bearing_first_rad_ = scan.first_bearing_rad;
@@ -177,7 +177,7 @@ void StopCollector::add(const LaserScan& scan) {
                        static_cast<std::uint32_t>(kPlacesPerTurn);
     const double range_m = static_cast<double>(scan.ranges_m[beam]);
     const bool is_return = std::isfinite(range_m) && range_m > kLeastStopRange_m && !scan.is_at_limit(range_m);
-    // A place that straddles tick 0 counts on from below it.
+    // A position across tick 0 counts from negative ticks.
     const double ticks =
         (place == 0 && share > 0.5 ? share - 1.0 : share) * static_cast<double>(model_.encoder.ticks_per_turn);
     add_range({place, static_cast<std::uint32_t>(beam)}, ticks, range_m, is_return);
@@ -204,7 +204,7 @@ void StopCollector::add_range(std::pair<std::uint32_t, std::uint32_t> key, doubl
   sums.product += t * r;
 }
 
-// The median over the places of the ranges' scatter about a line over the ticks (a crank that turns moves the range).
+// Median scatter of the ranges about a line over the ticks, because a turning crank changes the range.
 double StopCollector::scatter_m() const {
   std::vector<double> variances;
   for (const auto& [key, sums] : sums_) {
@@ -243,7 +243,8 @@ std::vector<calib::RangeObservation> StopCollector::observations(double sigma_m)
   std::vector<calib::RangeObservation> list;
   std::uint32_t last_place = 0;
   for (const auto& [key, sums] : sums_) {
-    if (2 * sums.count < sums.scans || sums.count == 0) continue;  // mostly no return: what came back is something else
+    if (2 * sums.count < sums.scans || sums.count == 0)
+      continue;  // mostly no return: the few returns come from something else
     if (list.empty() || key.first != last_place) ++statistics_.stops;
     last_place = key.first;
     const double n = sums.count;

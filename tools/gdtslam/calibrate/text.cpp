@@ -24,7 +24,7 @@ const CalibratedParameter* find(const CalibrationResult& result, const std::stri
   return nullptr;
 }
 
-/// How a parameter is shown: bars in centimetres as the paper has them, angles in degrees.
+/// Format of a parameter: bars in centimetres as in the paper, angles in degrees.
 struct Display {
   double factor = 1.0;
   std::string unit;
@@ -62,7 +62,7 @@ std::string notes_text(const char* untold, const std::vector<calib::WeakCombinat
   return text;
 }
 
-/// A delta of the paper, in metres; nothing for a bar that is not in the loop.
+/// A delta of the paper, in metres; empty for a bar outside the loop.
 struct Delta {
   std::string name;
   std::string place;
@@ -70,7 +70,7 @@ struct Delta {
   double sigma_m = 0.0;
 };
 
-// Relative to the nominal lengths of the reading that the start's name has.
+// Deltas from the nominal lengths of the paper's linkage that the start is named after.
 std::vector<Delta> compute_deltas(const CalibrateOutcome& outcome) {
   const std::string& name = outcome.start.name;
   std::vector<Delta> deltas;

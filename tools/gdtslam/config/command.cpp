@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 struct ConfigOptions {
   SettingsOptions settings;
-  std::string filter;  ///< empty: all that are not advanced
+  std::string filter;  ///< empty: all except the advanced ones
   bool all = false;
   bool json = false;
   bool yaml = false;
@@ -44,7 +44,7 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-// '*' stands for any letters and '?' for one.
+// Matches a pattern: '*' stands for any characters, '?' for one.
 bool fits_glob(std::string_view text, std::string_view glob) {
   if (glob.empty()) return text.empty();
   if (glob.front() == '*') {
@@ -54,7 +54,7 @@ bool fits_glob(std::string_view text, std::string_view glob) {
          fits_glob(text.substr(1), glob.substr(1));
 }
 
-// A part of the path or of the text, upper and lower case alike; with '*' or '?' the whole path.
+// Matches a part of the path or of the text, ignoring case; with '*' or '?' the whole path.
 bool fits(const std::string& filter, std::string_view path, std::string_view doc) {
   const std::string wanted = lower_case(filter);
   if (wanted.find_first_of("*?") != std::string::npos) return fits_glob(path, wanted);
@@ -73,7 +73,7 @@ bool fits(const std::string& filter, std::string_view path, std::string_view doc
                    " ('gdtslam config show --all' lists all)");
 }
 
-// The options that the filter leaves, advanced ones too; without a filter those for everyone, or all with --all.
+// Options that the filter matches, advanced ones included; without a filter those for everyone, or all with --all.
 bool is_kept(const ConfigOptions& options, const Option& option) {
   if (!options.filter.empty()) return fits(options.filter, option.path, option.doc);
   return options.all || option.audience != kAdvanced;

@@ -43,7 +43,7 @@ struct ConvertOptions {
   bool quiet = false;
 };
 
-/// Counts of records written, and of scans read.
+/// Numbers of records written and scans read.
 struct ConvertCounts {
   std::uint64_t scans_read = 0;
   std::uint64_t scans = 0;
@@ -62,7 +62,7 @@ std::optional<ChunkPacking> packing_named(const std::string& name) {
   throw UsageError(fmt::format("--compression: {} is none of none, lz4, zstd", in_quotes(name)));
 }
 
-// Refuses settings that would change nothing of the log that is written.
+// Refuses settings that have no effect on the written log.
 void require_useful(const Settings& settings) {
   for (const std::string& path : settings.from_sets) {
     if (path.starts_with("log.") && !path.starts_with("log.odometry_")) continue;
@@ -92,7 +92,7 @@ ConvertCounts copy_records(LogReader& reader, const ReadOptions& read, LogWriter
     progress.update(counts.scans_read, reader.progress());
     if (interrupted()) break;
   }
-  counts.is_whole = !interrupted();  // a signal ends standard input as its writer does
+  counts.is_whole = !interrupted();  // a signal ends standard input like its writer
   return counts;
 }
 
@@ -116,7 +116,7 @@ std::string counts_text(const ConvertCounts& counts, std::uint64_t bytes, const 
                      1e-6 * static_cast<double>(bytes), output);
 }
 
-// A log without scans may be meant; one whose scans are all lost is not.
+// A log may have no scans by intent, but not because all were lost.
 void require_scans(const ConvertOptions& options, const ConvertCounts& counts, const LogWriter& writer) {
   if (counts.scans > 0 || counts.scans_read == 0) return;
   const auto& left_out = writer.left_out();
@@ -168,7 +168,7 @@ int convert(const ConvertOptions& options) {
   return static_cast<int>(ExitCode::kInterrupted);
 }
 
-// The reader of standard output may have enough, as `head` has.
+// The reader of standard output may close early, like `head`.
 int convert_for_reader(const ConvertOptions& options) {
   try {
     return convert(options);

@@ -1,4 +1,4 @@
-// gdtslam doctor --after: what is doubtful in a map, where, and what can be done about it.
+// gdtslam doctor --after: doubtful parts of a map, where they are, and how to correct them.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -25,16 +25,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostNotes = 20;  // on the screen
+constexpr std::size_t kMostNotes = 20;  // shown on the terminal
 
-// Without a minus sign where the digits shown are all zero.
+// Drops the minus sign if all digits shown are zero.
 std::string rounded(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
   if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
   return text;
 }
 
-/// A run with what is to be said of it.
+/// A run with the remarks on it.
 struct Review {
   RunDoubts doubts;
   std::vector<ReviewNote> notes;
@@ -123,7 +123,7 @@ Json review_json(const RunReader& run, const Review& review) {
   return json;
 }
 
-// The graph with the places of the list numbered as there.
+// Draws the graph; places are numbered as in the list.
 void draw_review(const RunReader& run, const Review& review, const Trajectory& trajectory,
                  const std::vector<PoseCovariance>& covariances, const std::string& file) {
   const LoopFindings found = review.doubts.loops.value_or(LoopFindings{});

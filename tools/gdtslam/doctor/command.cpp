@@ -1,4 +1,4 @@
-// gdtslam doctor: what is in a log, and what is wrong with it; what is doubtful in a map (after.cpp).
+// gdtslam doctor: content and faults of a log; doubtful parts of a map (after.cpp).
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 

@@ -16,11 +16,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostRows = 40;  // topics or frames on the screen
+constexpr std::size_t kMostRows = 40;  // topics or frames on the terminal
 constexpr std::size_t kMostName = 60;
-constexpr double kOtherClock_s = 1.0;  // beyond which stamps are of another clock than times of receipt
+constexpr double kOtherClock_s = 1.0;  // a larger difference means that stamps and receipt times use different clocks
 
-/// Rows of cells in columns, each as wide as its widest cell; the last one is not padded.
+/// Aligns the rows' cells in columns as wide as their widest cell; the last column is not padded.
 std::string table_text(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const std::vector<std::string>& row : rows) {

@@ -1,4 +1,4 @@
-// gdtslam doctor --devices: what can compute here, with its limits.
+// gdtslam doctor --devices: devices that can compute here, with their limits.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 struct Inventory {
   DeviceInfo cpu;
   VulkanListing vulkan;
-  std::optional<unsigned> automatic;  ///< the device that --device auto takes; the CPU when empty
+  std::optional<unsigned> automatic;  ///< choice of --device auto; empty: the CPU
 };
 
 Inventory take_inventory() {

@@ -18,40 +18,40 @@ struct DoctorOptions {
   std::string log;
   RecordingOptions recording;
   SettingsOptions settings;
-  std::string after;     ///< the folder of a run, in place of a log
+  std::string after;     ///< folder of a run, instead of a log
   std::string picture;   ///< picture of the run
-  bool devices = false;  ///< devices that can compute here, in place of a log
+  bool devices = false;  ///< report devices instead of a log
   bool force = false;
   bool json = false;
 };
 
-/// Prints what can compute here, and returns the exit code.
+/// Prints the devices that can compute here; returns the exit code.
 int doctor_of_devices(bool json);
 
-/// Prints what is doubtful in the map of a run, draws it where a picture is asked for, and returns the exit code, which
-/// is 0 whatever is doubtful. Throws InputError, FileError, UsageError, UnavailableError.
+/// Prints the doubtful parts of a run's map and draws them if a picture is requested. Returns the exit code, which is 0
+/// even if parts are doubtful. Throws InputError, FileError, UsageError, UnavailableError.
 int doctor_after(const DoctorOptions& options);
 
 // Description of a log's lines, topics, frames and clocks, and commands that map it. Thread-safe.
 
-/// Kinds of lines, or topics, frames and clocks, and which of them `map` uses; each line with its end.
+/// Kinds of lines, or topics, frames and clocks, and their use by `map`; whole lines.
 std::string contents_text(const LogContents& contents, const LogCheck& check);
 /// Adds the same to a report.
 void add_contents(const LogContents& contents, nlohmann::ordered_json& report);
 
-/// A line to type, and when it is the right one.
+/// A command line, and when to use it.
 struct MapCommand {
   std::string when;
   std::string line;
 };
-/// Commands that map the log, the simplest first; with the options of doctor itself, and those that mend `faults`.
-/// None where it cannot be mapped.
+/// Commands that map the log, the simplest first, with doctor's own options and those that correct `faults`. Empty if
+/// the log cannot be mapped.
 std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogContents& contents, const LogCheck& check,
                                      const std::vector<LogFinding>& faults);
 
 // Findings of `gdtslam doctor` in a log, for people and as JSON. Thread-safe.
 
-/// All that was found.
+/// All findings.
 struct Findings {
   LogContents contents;
   LogCheck check;

@@ -1,4 +1,4 @@
-// The figures of a log as text and as JSON.
+// Formats the findings in a log as text and as JSON.
 #include "tools/gdtslam/doctor/doctor.hpp"
 
 #include <fmt/format.h>
@@ -61,7 +61,7 @@ std::string counts_text(const LogCheck& c) {
   return text + nod_text(c.nod);
 }
 
-// Lasers that turn unevenly have another number of beams every time: the usual ones are told, then what there is.
+// Lasers that turn unevenly vary their number of beams: the usual layouts are listed, the others only counted.
 std::string layouts_text(const LogCheck& c, const LaserMount& laser) {
   std::vector<BeamLayout> layouts;
   std::copy_if(c.layouts.begin(), c.layouts.end(), std::back_inserter(layouts),
@@ -86,7 +86,7 @@ std::string layouts_text(const LogCheck& c, const LaserMount& laser) {
   return text;
 }
 
-// Each of several lasers has its number and its scans.
+// With several lasers each line has the laser's number and scans.
 std::string laser_text(const LogCheck& c, const LaserMount& laser) {
   std::string text;
   if (c.lasers.size() > 1) text += fmt::format("laser {:<10} {}\n", laser.laser, plural(laser.scans, "scan"));
@@ -142,7 +142,7 @@ std::string faults_text(const LogCheck& c, const StepBounds& bounds) {
                         c.scans - c.mappable_scans, c.scan.min_points);
   }
   for (const LogReader::Warning& w : c.warnings) {
-    if (w.kind == "laser mount unknown") continue;  // told with the topics
+    if (w.kind == "laser mount unknown") continue;  // printed with the topics
     text += fmt::format("{:<16} {}, first: {}\n", w.kind, w.count, w.first);
   }
   return text;

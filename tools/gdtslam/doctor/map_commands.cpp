@@ -15,7 +15,7 @@ namespace {
 
 bool is_control(char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }
 
-/// Quotes a text so that a shell takes it for one word, on one line whatever is in it.
+/// Quotes a text for a shell as one word, always on one line.
 std::string shell_word(const std::string& text) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
@@ -36,7 +36,7 @@ std::string log_word(const std::string& log) {
   return log.size() > 1 && log.starts_with('-') ? shell_word("./" + log) : shell_word(log);
 }
 
-/// Options of doctor that map needs too, without the choice of topics.
+/// Options of doctor that map needs too, except the choice of topics.
 std::string told_settings(const DoctorOptions& options) {
   std::string text;
   const auto add = [&text](std::string_view option, const std::string& value) {
@@ -49,14 +49,14 @@ std::string told_settings(const DoctorOptions& options) {
   return text;
 }
 
-/// Options that mend the faults that map does not mend itself.
+/// Options that correct the faults which map does not correct itself.
 std::string mending_settings(const std::vector<LogFinding>& faults) {
   std::string text;
   for (const LogFinding& fault : faults) text += fault.is_mended || fault.options.empty() ? "" : " " + fault.options;
   return text;
 }
 
-/// The first command with the limit of the sensor, for a constant that may be a wall.
+/// Adds the first command with the sensor's limit, because a constant range may be a wall.
 void add_no_return_choice(const DoctorOptions& options, const LogCheck& check, std::vector<MapCommand>& commands) {
   const auto& sets = options.settings.sets;
   const bool is_stated =
@@ -73,7 +73,7 @@ void add_no_return_choice(const DoctorOptions& options, const LogCheck& check, s
   commands.push_back(std::move(command));
 }
 
-/// Topics of one use that a map could do with, those with messages.
+/// Topics with messages that map could use in this role.
 std::vector<const TopicContents*> topics_for(TopicUse use, const LogContents& contents) {
   std::vector<const TopicContents*> found;
   for (const TopicContents& topic : contents.topics) {
@@ -82,7 +82,7 @@ std::vector<const TopicContents*> topics_for(TopicUse use, const LogContents& co
   return found;
 }
 
-/// The choices of scans that there are: none needed, or one topic, each in turn, then all together.
+/// Choices of scan topics: none needed, or each topic in turn, then all together.
 std::vector<MapCommand> scan_choices(const DoctorOptions& options, const LogContents& contents) {
   const auto choice = [](std::string_view when, const std::string& topic) {
     return MapCommand{std::string(when), topic.empty() ? "" : " --topic " + shell_word(topic)};
@@ -108,12 +108,12 @@ bool has_whole_numbers(const TopicContents& topic) {
   return topic.type.starts_with("std_msgs/Int") || topic.type.starts_with("std_msgs/UInt");
 }
 
-/// Meanings of a number's messages: ticks of a crank, a servo's degrees, or the elevation of a joint.
+/// Possible meanings of a topic's numbers: ticks of a crank, a servo's degrees, or the elevation of a joint.
 std::vector<MapCommand> nodding_choices(const TopicContents& topic) {
   constexpr double kMostDegrees = 360.0;
   const std::string when = "if " + one_line(topic.name) + " tells how the laser nods";
   const std::string line = " --crank " + shell_word(topic.name);
-  if (!topic.joints.empty()) return {{when, line + " --set log.crank=tilt"}};  // radians, by ROS's own rule
+  if (!topic.joints.empty()) return {{when, line + " --set log.crank=tilt"}};  // radians, by ROS convention
   std::vector<MapCommand> choices;
   const bool may_be_degrees = topic.numbers->most - topic.numbers->least <= kMostDegrees;
   if (has_whole_numbers(topic) || !may_be_degrees) choices.push_back({when + ", in ticks of its crank", line});
@@ -126,7 +126,7 @@ std::vector<MapCommand> nodding_choices(const TopicContents& topic) {
   return choices;
 }
 
-/// Choices for all topics that have different numbers.
+/// Choices for all topics with distinct numbers.
 std::vector<MapCommand> all_nodding_choices(const LogContents& contents) {
   std::vector<MapCommand> choices;
   for (const TopicContents* topic : topics_for(TopicUse::kCrank, contents)) {
@@ -157,7 +157,7 @@ std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogCont
   if (!crank.empty()) return commands;
   std::vector<MapCommand> nodding = all_nodding_choices(contents);
   for (MapCommand& command : nodding) command.line = fmt::format("{}{}{}{}", start, first_choice, command.line, end);
-  // A linkage beside the log tells that the laser nods.
+  // A linkage file beside the log means that the laser nods.
   const bool has_linkage = !linkage_sidecar(options.log).empty();
   commands.insert(has_linkage ? commands.begin() : commands.end(), nodding.begin(), nodding.end());
   return commands;

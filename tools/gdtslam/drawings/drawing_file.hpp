@@ -8,13 +8,14 @@
 
 namespace gdtslam {
 
-/// Pixels of a PNG for each of a page-sized drawing: its small letters are crisp on dense displays.
+/// PNG pixels per unit of a page-sized drawing: small letters stay crisp on dense displays.
 inline constexpr double kDensePng = 2.0;
 
-/// Before the work begins: throws UsageError that names the option for another extension.
+/// Call it before the work: throws UsageError that names the option if the extension is unknown.
 void check_drawing_file(std::string_view option, const std::string& file);
 
-/// By the extension, in small or capital letters. A PNG has `scale` pixels for each of the drawing. Throws as above.
+/// Format by the extension, in upper or lower case. A PNG has `scale` pixels per unit of the drawing. Throws
+/// UsageError.
 std::string drawing_bytes(const Canvas& drawing, const std::string& file, double scale = 1.0);
 
 /// The bytes of a PNG file.

@@ -21,7 +21,7 @@ constexpr double kHeight = 800.0;
 constexpr double kRadius = 10.0;
 constexpr double kMargin_m = 0.4;  // around the boxes and the viewpoint
 constexpr double kLeastView_m = 1.5;
-constexpr double kAside_px = 30.0;  // distance of a dimension line from the edge that it measures
+constexpr double kAside_px = 30.0;  // distance of a dimension line from its edge
 constexpr double kTick_px = 6.0;
 constexpr double kGrid_px = 120.0;  // widest square of the grid, and longest scale bar
 constexpr int kDotsAcross = 170;    // squares across the view, each with one dot for its points
@@ -43,7 +43,7 @@ struct TopView {
   }
 };
 
-/// The corners of a box on the floor: the face's two ends, then those behind.
+/// Corners of a box on the floor: the two ends of the face, then those at the back.
 struct Outline {
   Point2 left;
   Point2 right;
@@ -92,7 +92,7 @@ TopView top_view(const Measurement& measured, std::span<const CloudPoint> cloud,
 
 double grid_step(const TopView& view) { return round_length_m(kGrid_px / view.pixels_per_m); }
 
-// By pixels, however far the view reaches.
+// Grid lines are counted in pixels, so a far view costs no more.
 void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
   const DrawingArea& card = view.card;
   const Pen pen{.colour = ink::kGrid};
@@ -109,7 +109,7 @@ void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
   }
 }
 
-// One dot for each square that has points between the floor and the top of the highest box; fainter where few are.
+// One dot per square with points between the floor and the top of the highest box; fainter if there are few.
 void draw_points(Canvas& canvas, const Measurement& measured, std::span<const CloudPoint> cloud, const TopView& view) {
   double low_m = -1e9;
   double high_m = 1e9;
@@ -141,7 +141,7 @@ void draw_points(Canvas& canvas, const Measurement& measured, std::span<const Cl
   }
 }
 
-// A line with ticks at both ends beside what it measures, and the value at its middle.
+// A line beside the measured edge with ticks at both ends, and the value at its middle.
 void draw_dimension(Canvas& canvas, const TopView& view, const Point2& from_m, const Point2& to_m, const Point2& out_m,
                     const Dimension& dimension, Colour colour) {
   const Point2 out(-out_m.y(), -out_m.x());

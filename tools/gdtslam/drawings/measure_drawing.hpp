@@ -1,5 +1,5 @@
-// The top view of measured boxes: the points around them, their outlines, their dimensions. x points up the
-// page, y to the left, as the scanner sees it. Thread-safe; O(points).
+// Top view of measured boxes: the points around them, their outlines, their dimensions. x points up the page, y to the
+// left, as seen by the scanner. Thread-safe; O(points).
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// gdtslam edit: a map that is handed on, turned, cropped, cleaned and georeferenced.
+// gdtslam edit: prepares a map for others: rotates, crops, cleans and georeferences it.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -29,7 +29,7 @@ struct EditCommand {
   bool quiet = false;
 };
 
-/// A line for each step.
+/// Report with a line for each step.
 struct StepText {
   std::string operator()(const FrameEdit& edit) const {
     const Pose2& T = edit.T_before_after;

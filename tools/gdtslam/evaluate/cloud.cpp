@@ -1,4 +1,4 @@
-// Distances of a cloud from the truth: a scene, or the hits of its own beams.
+// Distances of a cloud from the truth: a scene, or the true hits of its beams.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -42,7 +42,7 @@ void check_cloud_usage(const EvaluateOptions& options) {
   if (!options.linkage.empty() && options.hits.empty()) throw UsageError("--linkage belongs to --hits");
 }
 
-// Cloud and trajectory of a run are of one run, whoever replaces it meanwhile.
+// Throws if the run is replaced meanwhile, so cloud and trajectory come from one run.
 template <class Compute>
 auto unless_changed(const std::optional<RunReader>& run, const Compute& compute) {
   return run ? run->files().unless_changed(compute) : compute();

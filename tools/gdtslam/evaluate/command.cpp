@@ -1,4 +1,4 @@
-// gdtslam evaluate: errors of a trajectory, of poses found in a map or of a cloud; dimensions of what a cloud shows.
+// gdtslam evaluate: errors of a trajectory, of poses found in a map or of a cloud; dimensions of objects in a cloud.
 #include <CLI/App.hpp>
 
 #include <filesystem>
@@ -49,7 +49,7 @@ int evaluate(const EvaluateOptions& options) {
   return evaluate_trajectory(options);
 }
 
-// Options for the truth that the file is compared with.
+// Adds the options for the truth that the file is compared with.
 void add_truths(CLI::App& command, EvaluateOptions& chosen) {
   CLI::Option* relations = command.add_option("--relations", chosen.relations,
                                               "Verified relations, rows `t1 t2 x y z roll pitch yaw`, plain or gzip");

@@ -28,7 +28,7 @@ constexpr std::uint64_t kMostPoints = 200'000'000;
 
 constexpr const char* kGroup = "Boxes and planes";
 
-// "x,y,z", each with its unit, in the coordinates of the cloud's file.
+// Parses "x,y,z", each with its unit, in the coordinates of the cloud's file.
 Point3 parse_viewpoint(const std::string& text) {
   std::array<std::string, 3> words;
   std::size_t count = 0;
@@ -45,13 +45,13 @@ Point3 parse_viewpoint(const std::string& text) {
   for (std::size_t k = 0; k < words.size(); ++k) {
     double& length_m = point[static_cast<Eigen::Index>(k)];
     length_m = quantity_of("--viewpoint", words[k], Unit::kMetre);
-    // Beyond, no grid of the earth.
+    // No grid on earth reaches farther.
     if (!(std::abs(length_m) <= 1e9)) throw UsageError("--viewpoint: " + words[k] + " is not between -1e9 and 1e9 m");
   }
   return point;
 }
 
-// The job of the command line, checked before the cloud is read.
+// The job from the command line, checked before the cloud is read.
 MeasureJob make_measure_job(const EvaluateOptions& options) {
   const MeasureOptions& chosen = options.measure;
   MeasureJob job = chosen.job;

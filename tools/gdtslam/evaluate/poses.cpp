@@ -1,4 +1,4 @@
-// Poses that `gdtslam localize` found, against known ones.
+// Compares the poses of `gdtslam localize` with known ones.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -33,7 +33,7 @@ PoseLimits pose_limits(const EvaluateOptions& options) {
   return limits;
 }
 
-// Stamps of the scans that went into the map.
+// Stamps of the scans that the map was made from.
 std::vector<double> merged_stamps(const EvaluateOptions& options) {
   const std::string& folder = options.trajectory.empty() ? options.reference : options.trajectory;
   if (!RunReader::is_run(folder)) {

@@ -1,4 +1,4 @@
-// Errors of a trajectory against relations or a reference, and whether they are as large as the run states.
+// Errors of a trajectory against relations or a reference, compared with the run's own covariances.
 #include <fmt/format.h>
 
 #include <array>
@@ -30,7 +30,7 @@ Json as_json(const RelationErrors& e) {
   return {{"translation_m", errors_json(e.translation_m)}, {"rotation_deg", errors_json(e.rotation_deg)}};
 }
 
-// `repeated` relations have stamps that do not say which pose is meant.
+// `repeated`: relations whose stamps occur twice, so their poses are ambiguous.
 std::string relation_text(const RelationReport& report, std::size_t repeated) {
   std::string text = errors_heading();
   text += errors_row("all", report.all.translation_m, "m") + errors_row("", report.all.rotation_deg, "deg");
@@ -59,7 +59,7 @@ Json relation_json(const RelationReport& report, std::size_t repeated) {
           {"worst", {{"t1_s", report.worst_t1_s}, {"t2_s", report.worst_t2_s}}}};
 }
 
-// A trajectory, and how sure its poses are where it is that of a run with closed loops.
+// A trajectory, with its poses' covariances if it is a run with closed loops.
 struct Evaluated {
   Trajectory trajectory;
   std::optional<std::vector<PoseCovariance>> covariances;
@@ -102,7 +102,7 @@ TruthNoise parse_noise(const std::string& text) {
   return {length_m, angle_rad};
 }
 
-// The report with what the run states added, where it states something.
+// Prints the report, with the run's own covariances if it has any.
 void print_report(const EvaluateOptions& options, const Evaluated& evaluated, std::string text, Json json,
                   const std::optional<StatedReport>& stated) {
   const TruthNoise noise = parse_noise(options.noise);
@@ -165,7 +165,7 @@ Json reference_json(const ReferenceReport& report, const ReferenceOptions& optio
       {"unmatched", report.unmatched}};
 }
 
-// If no stamps meet, one of the files may have them in another unit.
+// If no stamps match, the stamps of one file may have another unit.
 ReferenceReport reference_report(const EvaluateOptions& options, const Trajectory& estimate,
                                  const Trajectory& reference, const ReferenceOptions& how) {
   try {
@@ -198,7 +198,7 @@ int evaluate_against_reference(const EvaluateOptions& options) {
 
 std::string errors_heading() { return "                    count      mean       std    median      rmse       max\n"; }
 
-// Without a sample there is no error to state; a zero would look like a perfect one.
+// Without a sample there is no error to report; a zero would look like a perfect result.
 std::string errors_row(const std::string& name, const ErrorSummary& e, const std::string& unit) {
   if (e.count == 0) {
     return fmt::format("{:<16} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}  {}\n", name, 0, "-", "-", "-", "-", "-", unit);

@@ -1,4 +1,4 @@
-// gdtslam fleet: many logs, on one machine or on several; one table, page and hash of all of them.
+// gdtslam fleet: maps many logs on one or several machines; one table, page and hash of the results.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using page::Json;
 
-/// Length of the folder that all logs lie in, which says nothing about one of them.
+/// Length of the folder that all logs share, which distinguishes none of them.
 std::size_t common_folder(const std::vector<FleetRecord>& records) {
   std::string_view common = records.front().log;
   for (const FleetRecord& record : records) {
@@ -70,11 +70,11 @@ std::string atlas_page(const std::string& atlas, const std::vector<FleetRecord>&
       {"title", legible("Atlas " + fs::canonical(atlas).filename().string())},
       {"subtitle", summary.sha256.empty() ? "logs failed or are missing, so there is no hash" : summary.sha256},
       {"atlas", {{"rows", rows}, {"unmapped", unmapped}, {"hosts", summary.hosts}}}};
-  // Pictures come from beside the page, on a disk as on a server.
+  // Pictures are beside the page, on disk or on a server.
   return page::page_text(data, "img-src 'self' file: data:");
 }
 
-// gdtslam fleet finish: one table, one page and one hash of all logs, and what failed.
+// gdtslam fleet finish: one table, one page and one hash of all logs, with the failures.
 
 namespace {
 
@@ -139,7 +139,7 @@ void add_fleet_finish(CLI::App& fleet, CommandContext& context) {
   command->callback([options, &context] { context.run = [options] { return finish(*options); }; });
 }
 
-// gdtslam fleet: many logs, on one machine or on several.
+// gdtslam fleet: maps many logs on one or several machines.
 
 void add_fleet_command(CLI::App& app, CommandContext& context) {
   CLI::App* command = add_command(app, "fleet", "Map many logs, on one machine or on several");

@@ -1,4 +1,4 @@
-// The two parts of `gdtslam fleet`: map the logs, and make one table, page and hash of all of them.
+// The two parts of `gdtslam fleet`: map the logs, and make one table, page and hash of the results.
 #pragma once
 
 #include "tools/gdtslam/shell/cli.hpp"

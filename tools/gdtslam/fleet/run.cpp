@@ -1,4 +1,4 @@
-// gdtslam fleet run: maps logs, a process each, as many at a time as there are processors.
+// gdtslam fleet run: maps logs in one process each, one per processor at a time.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/App.hpp>
@@ -56,7 +56,7 @@ std::vector<FleetLog> named_logs(const RunOptions& options) {
   return find_logs(named);
 }
 
-// Everything besides the log's bytes that the results depend on.
+// All settings besides the log's bytes that affect the results.
 std::string options_text(const RunOptions& options, Settings settings) {
   std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION);
   for (const std::string& topic : options.recording.topics) text += fmt::format("--topic {}\n", topic);
@@ -82,7 +82,7 @@ FleetWork make_work(const RunOptions& options) {
   work.request.linkage = options.linkage;
   work.request.with_continue_file = false;
   DeviceOptions device = options.device;
-  device.are_threads_given = true;  // the processes alone fill the processors
+  device.are_threads_given = true;  // the processes alone use all processors
   work.request.on_failure = on_failure_of(device);
   work.request.stop = [] { return interrupted(); };
   work.map = [device](const MapRequest& request) {
@@ -92,7 +92,7 @@ FleetWork make_work(const RunOptions& options) {
   return work;
 }
 
-/// The logs of a shard in processes of their own, the largest first.
+/// Maps the logs of a shard in processes of their own, the largest first.
 class FleetRun {
  public:
   FleetRun(const RunOptions& options, std::vector<FleetLog> logs)
@@ -146,7 +146,7 @@ class FleetRun {
     line_.draw([this](double elapsed_s) { return progress(elapsed_s); });
   }
 
-  // A process that was killed could not say so itself. Where nothing can be written, no other log can be mapped.
+  // A killed process cannot write its record itself. If nothing can be written, no other log can be mapped.
   void fail(std::size_t log, const Workers::Failure& failure) {
     if (failure.code == ExitCode::kInputOutput || failure.code == ExitCode::kInterrupted)
       throw Error(failure.code, failure.message);
@@ -161,7 +161,7 @@ class FleetRun {
     end(log, "failed", code, failure.message);
   }
 
-  // The exit code is that of the first failure of the machine, else that of a log that is refused.
+  // The exit code is that of the first failed log, else that of a refused log.
   void end(std::size_t log, const std::string& outcome, int code, const std::string& reason) {
     shares_.erase(log);
     left_bytes_ -= weight(logs_[log]);
@@ -188,7 +188,7 @@ class FleetRun {
   FleetWork work_;
   std::vector<FleetLog> logs_;
   TerminalLine line_;
-  std::map<std::size_t, double> shares_;  ///< share done of each log in hand
+  std::map<std::size_t, double> shares_;  ///< share done of each running log
   double all_bytes_ = 0.0;
   double left_bytes_ = 0.0;
   std::size_t mapped_ = 0;

@@ -1,4 +1,4 @@
-// gdtslam generate: completions of shells, and what their scripts ask for. Manual pages are made by help2man
+// gdtslam generate: shell completions, and the answers that their scripts request. Manual pages are made by help2man
 // (tools/scripts/man_page.sh).
 #include <fmt/format.h>
 #include <CLI/App.hpp>
@@ -21,8 +21,8 @@
 namespace gdtslam {
 namespace {
 
-// Bash breaks the word under the cursor at '=' and ':' and replaces what is behind them only, so this part is cut off
-// the answers. The program of PATH is asked, never one that lies in the working folder.
+// Bash splits the word at the cursor at '=' and ':' and replaces only the part after it, so the part before is cut off
+// the answers. The scripts call the program on PATH, never one in the working folder.
 constexpr std::string_view kBash = R"bash(# bash completion for gdtslam, made by 'gdtslam generate completion bash'.
 _gdtslam() {
   local line=${COMP_LINE:0:COMP_POINT} breaks="" cut="" cur offer file endings
@@ -80,7 +80,7 @@ else
 fi
 )zsh";
 
-/// Words that begin with what is typed.
+/// Words that begin with the typed text.
 class Answers {
  public:
   explicit Answers(std::string typed) : typed_(std::move(typed)) {}
@@ -88,7 +88,7 @@ class Answers {
   void add(const std::string& word) {
     if (word.starts_with(typed_)) lines_ += word + "\n";
   }
-  /// Values, each behind `before`, which is "--option=" or nothing.
+  /// Adds values after `before`, which is "--option=" or empty.
   void add(const Offers& offers, const std::string& before, const std::vector<OptionRow>& settings) {
     for (const std::string& word : offers.words) add(before + word);
     if (offers.has_settings) add_settings(before, settings);
@@ -134,7 +134,7 @@ std::string_view completion_script(std::string_view shell) {
   return shell == "bash" ? kBash : shell == "zsh" ? kZsh : std::string_view();
 }
 
-/// Completions of the last of the words behind the program's name, which is being typed: whole words, a line each.
+/// Completions of the last word, which is being typed: whole words, one per line. `words` follow the program's name.
 /// Lines ":files .ply .pcd" (":files" for any) and ":folders" stand for names that the shell finds itself.
 std::string offers_behind(const CommandText& root, const std::vector<std::string>& words,
                           const std::vector<OptionRow>& settings) {

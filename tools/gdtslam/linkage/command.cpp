@@ -1,4 +1,4 @@
-// gdtslam linkage: what a four-bar mount does, as text, table and drawing; and the design of one.
+// gdtslam linkage: properties of a four-bar mount as text, table and drawing; and the design of one.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -29,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Options as text, so that their units can be told; empty: the default.
+/// Options as text, so that their units can be printed; empty: the default.
 struct GoalText {
   std::string swing;
   std::string min_transmission;
@@ -79,7 +79,7 @@ bool has_unit(const std::string& text) {
   return last != text.rend() && std::isdigit(static_cast<unsigned char>(*last)) == 0 && *last != '.';
 }
 
-// The unit of "5cm": what follows its last digit.
+// The unit of "5cm": the text after the last digit.
 std::string written_unit(const std::string& text) {
   const std::size_t digit = text.find_last_of("0123456789.");
   return digit == std::string::npos ? "" : text.substr(digit + 1);
@@ -112,7 +112,7 @@ calib::DesignGoal design_goal(const GoalText& text) {
   return goal;
 }
 
-// A designed linkage with everything else as the presets have it: lifting is the slow stroke and begins at elevation 0.
+// A designed linkage with the presets' other values: lifting is the slow stroke and begins at elevation 0.
 calib::SweepModel read_model(const calib::Design& design, std::size_t number) {
   calib::SweepModel model = calib::sweep_model_of_preset(calib::kDefaultLinkage);
   model.name = fmt::format("design-{}", number);
@@ -134,7 +134,7 @@ double csv_step(const std::string& text) {
   return step_rad;
 }
 
-// All files are on the disk before the first takes its name.
+// All files are written to disk before the first is renamed into place.
 void write_files(const LinkageCommand& command, const calib::LinkageCycle& cycle) {
   AtomicFileSet files;
   if (!command.csv.empty()) {

@@ -20,7 +20,7 @@ using calib::SweepModel;
 
 constexpr int kScanSteps = 1440;
 
-/// The extremes over the cycle, but where the crank is at a dead point.
+/// The extremes over the cycle, without dead points of the crank.
 struct Extremes {
   double acceleration = 0.0;
   calib::RockerSensitivity by;
@@ -44,7 +44,7 @@ Extremes extremes_over(const LinkageCycle& cycle) {
   return most;
 }
 
-// Radians per metre, as degrees per millimetre.
+// Radians per metre in degrees per millimetre.
 double deg_per_mm(double rad_per_m) { return deg_from_rad(rad_per_m) / 1000.0; }
 double positive_deg(double angle_rad) {
   const double turns = angle_rad / kTwoPi;
@@ -62,7 +62,7 @@ std::string bars_text(const LinkageCycle& cycle) {
                      cycle.model().assembly == calib::Assembly::kOpen ? "open" : "crossed");
 }
 
-// The elevation as it is, without the turns that keep it continuous over the cycle.
+// The elevation without the full turns that keep it continuous over the cycle.
 double elevation_rad(const LinkageCycle& cycle, const LinkagePosition& end) {
   return calib::elevation_rad(cycle.model(), end.crank_rad).value_or(end.elevation_rad);
 }

@@ -1,5 +1,5 @@
-// The report on a linkage that `gdtslam linkage` prints. Angles in degrees, lengths in metres (JSON) or centimetres
-// (text). Thread-safe; O(rows).
+// The report of `gdtslam linkage`. Angles in degrees, lengths in metres (JSON) or centimetres (text). Thread-safe;
+// O(rows).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,8 +11,8 @@ namespace gdtslam {
 
 std::string as_text(const calib::LinkageCycle& cycle);
 nlohmann::ordered_json as_json(const calib::LinkageCycle& cycle);
-/// A heading with units and one line for each row; crank angles go from 0 to 360 deg, those where the loop does not
-/// close are left out.
+/// A heading with units and one line per row. Crank angles go from 0 to 360 deg; rows where the loop does not close are
+/// skipped.
 std::string as_csv(const calib::SweepModel& model, double step_rad);
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// gdtslam live: scans come in as lines, and a line goes out for each as soon as its pose is known.
+// gdtslam live: reads scans as lines and prints one line for each as soon as its pose is known.
 #include <CLI/App.hpp>
 #include <CLI/Validators.hpp>
 
@@ -108,7 +108,7 @@ std::shared_ptr<LiveInput> open_input(const DriveOptions& options) {
   return options.queue > 0 ? open_stream(options.log) : nullptr;
 }
 
-// With a queue nobody waits for anybody; else a reader may be slow, but not hang.
+// With a queue no thread waits for another; without one the reader may be slow, but must not hang.
 LineOutput::Rule output_rule(const DriveOptions& options) {
   constexpr std::chrono::seconds kPatienceWithReader{5};
   if (options.queue > 0) return {.most_waiting = options.queue};

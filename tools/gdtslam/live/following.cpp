@@ -1,4 +1,4 @@
-// A drive in a map that was made before and stays as it is.
+// A drive in an existing map that stays as it is.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ class FollowedDrive {
 }  // namespace
 
 int follow_live(const DriveOptions& options) {
-  let_signal_save();  // there is nothing to save here, but SIGUSR1 must not end the process
+  let_signal_save();  // SIGUSR1 must not end the process, though there is no snapshot to save
   const Settings settings = load_settings(options.settings);
   const LocalizeJob job = make_job(options, settings);
   DeviceOptions device = options.device;

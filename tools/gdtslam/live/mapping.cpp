@@ -1,4 +1,4 @@
-// A drive whose map is made while it lasts.
+// A drive that is mapped while it lasts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ struct Drive {
   }
 };
 
-// The scans before the problem are mapped and written.
+// After a problem, the scans before it are mapped and written.
 int find_exit_code(const MapOutcome& outcome) {
   const std::string_view kind = warning_of_end(outcome.broken_off);
   const auto why = std::find_if(outcome.warnings.begin(), outcome.warnings.end(),
@@ -102,7 +102,7 @@ int map_live(const DriveOptions& options) {
   Snapshots snapshots(record, std::move(plan));
   snapshots.start();
   request.closing = [&snapshots](std::string_view, double) { snapshots.stop(); };
-  request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // if no loops are closed
+  request.finishing = [&snapshots](std::string_view) { snapshots.stop(); };  // called if no loops are closed
   BackendWhenNeeded backend(options.device);
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
   output.finish();

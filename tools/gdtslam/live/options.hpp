@@ -1,4 +1,4 @@
-// Options of `gdtslam live`, and its two ways to go: with a map that grows, and in one that stays.
+// Options of `gdtslam live` and its two modes: mapping, and following in a fixed map.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@ namespace gdtslam {
 
 struct DriveOptions {
   std::string log = "-";
-  std::string listen;  ///< an address to listen at, instead of `log`, as the next
+  std::string listen;  ///< an address to listen at; it and `follow` replace `log`
   std::string follow;  ///< a file that grows
   std::uint64_t queue = 0;
-  std::string map;     ///< that stays as it is; empty: one is made
+  std::string map;     ///< a map that stays as it is; empty: a new one is made
   std::string folder;  ///< empty: runs/<log>-<UTC time>
   double snapshot_s = 0.0;
   std::string page;  ///< PORT or ADDRESS:PORT; empty: none
@@ -37,15 +37,15 @@ struct DriveOptions {
   bool quiet = false;
 };
 
-/// Input of the drive: null if the log is read by its name, with nothing ahead.
+/// Input of the drive; null if the log is read by its name, without a queue.
 std::shared_ptr<LiveInput> open_input(const DriveOptions& options);
-/// Its name in messages and in the folder's.
+/// Name of the input in messages and in the folder's name.
 std::string input_name(const DriveOptions& options);
 LineOutput::Rule output_rule(const DriveOptions& options);
-/// Null where none is asked for; where it is is said on standard error.
+/// The page, whose address is printed on standard error; null if no page was requested.
 std::unique_ptr<LivePage> open_live_page(const DriveOptions& options);
 
-/// Tells the user of a laser that nods what to do, if these warnings name one.
+/// Prints advice for a nodding laser if one of these warnings is about it.
 void print_remark_on_nods(const std::vector<LogReader::Warning>& warnings);
 
 /// Both return the exit code.

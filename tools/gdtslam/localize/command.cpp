@@ -1,4 +1,4 @@
-// gdtslam localize: where scans of a log were taken in a map, without odometry and with a proof.
+// gdtslam localize: proven poses of a log's scans in a map, without odometry.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -73,7 +73,7 @@ void require_found(const Localized& all) {
   throw Error(ExitCode::kFailed, "--strict: not every scan was found: " + verdicts_text(all.scans));
 }
 
-// Threads take scans, so none are left for the kernels of one.
+// Each thread takes whole scans, so a scan's kernels run on a single thread.
 std::unique_ptr<Backend> make_search_backend(DeviceOptions options) {
   options.threads = 1;
   return make_backend(options);

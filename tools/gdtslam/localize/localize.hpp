@@ -28,7 +28,7 @@ struct LocalizeOptions {
   double gap_m = 0.005;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;
-  double poor_fit_m = -1.0;  ///< negative: what the map tells
+  double poor_fit_m = -1.0;  ///< negative: the map's limit
   bool strict = false;
   DeviceOptions device{.device = "cpu"};
   bool lenient = false;
@@ -37,18 +37,18 @@ struct LocalizeOptions {
   bool json = false;
   bool quiet = false;
   bool track = false;
-  std::string table;       ///< to be written; empty: none
+  std::string table;       ///< file to write; empty: none
   std::string changes;     ///< picture of --track
-  std::string trajectory;  ///< to be written; empty: none
+  std::string trajectory;  ///< file to write; empty: none
   std::string picture;
   SettingsOptions settings;
 };
 
-/// Limits of each search, as the options say.
+/// Limits of each search from the options.
 LocalizeLimits search_limits(const LocalizeOptions& options);
 
-/// Does work(device options), and again with the CPU where the device fails: the CPU gives the same, so a device that
-/// fails costs the time spent and nothing else. Throws what work() throws.
+/// Runs work(device options), and again on the CPU if the device fails. The CPU gives the same result, so a failing
+/// device costs only the time spent. Throws like work().
 template <class Work>
 auto with_device(const DeviceOptions& device, const Work& work) {
   try {
@@ -65,12 +65,12 @@ auto with_device(const DeviceOptions& device, const Work& work) {
   return work(cpu);
 }
 
-// Output of `gdtslam localize`: text and a picture for people, JSON for programs. Everything but the JSON's
-// "times" depends on the input alone. Thread-safe; O(scans), a picture O(cells).
+// Output of `gdtslam localize`: text and a picture for people, JSON for programs. Everything except the JSON's "times"
+// depends on the input alone. Thread-safe; O(scans), a picture O(cells).
 
 struct LocalizeTimes {
   double wall_s = 0.0;
-  double cpu_s = 0.0;  ///< time of all threads
+  double cpu_s = 0.0;  ///< CPU time of all threads
   std::string device{};
 };
 
@@ -81,14 +81,14 @@ nlohmann::ordered_json as_json(const LocalizeJob& job, const Localizer& localize
 nlohmann::ordered_json as_json(const LocalizeJob& job, const Localizer& localizer, const TrackedDrive& drive,
                                const LocalizeTimes& times);
 
-/// "196 found, 4 ambiguous, 0 poor fit"; scans without a pose where there are any.
+/// "196 found, 4 ambiguous, 0 poor fit"; also scans without a pose if there are any.
 std::string verdicts_text(const std::vector<LocalizedScan>& scans);
 
-/// Scans on their map, each as an arrow; the way of a robot that was followed.
+/// Scans on their map, each as an arrow; for a tracked robot its path.
 Canvas localize_picture(const std::string& log, const Localizer& localizer, const Localized& all);
 Canvas localize_picture(const std::string& log, const Localizer& localizer, const TrackedDrive& drive);
 
-/// Writes what is asked for: the poses, the table, the picture. `Found` is Localized or TrackedDrive.
+/// Writes the requested files: poses, table, picture. `Found` is Localized or TrackedDrive.
 template <class Found>
 void write_results(const LocalizeOptions& options, const Localizer& localizer, const Found& found,
                    const Trajectory& trajectory, const std::string& table) {
@@ -108,12 +108,12 @@ void print_remarks(const Found& found) {
   if (found.interrupted) print_remark("interrupted after " + plural(found.scans.size(), "scan"));
 }
 
-/// "office.csv" for "office.png": the table beside the picture of --changes.
+/// Table beside the picture of --changes: "office.csv" for "office.png".
 std::string changes_table_file(const std::string& picture);
 
-// `gdtslam localize --track`: a robot followed through a log, in a map that stays as it is.
+// `gdtslam localize --track`: follows a robot through a log in a fixed map.
 
-/// Follows, writes the files, prints; returns the exit code.
+/// Tracks, writes the files, prints; returns the exit code.
 int track(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job);
 
 }  // namespace gdtslam

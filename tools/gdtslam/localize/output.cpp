@@ -100,7 +100,7 @@ Json times_json(const LocalizeTimes& times) {
   return {{"device", times.device}, {"wall_s", times.wall_s}, {"cpu_s", times.cpu_s}};
 }
 
-// The first part of both reports: map, log, field and limit of a good fit.
+// First part of both reports: map, log, field and limit of a good fit.
 Json begun_json(const LocalizeJob& job, const Localizer& localizer) {
   constexpr std::array kFitSources{"option", "run", "resolution"};    // in the order of FitLimit::Source
   constexpr std::array kFieldSources{"distances", "occupied-cells"};  // in the order of MapField::Source

@@ -1,4 +1,4 @@
-// Poses found in a map, drawn on it: arrows, or a path where they follow each other, over pale walls.
+// Draws poses found in a map over pale walls: arrows, or a path if they follow each other.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -19,17 +19,17 @@ namespace {
 using namespace picture;
 
 constexpr MapColours kPosesMap{colour_for(0x8e949c), ink::kCard, colour_for(0xebe9e3)};
-constexpr double kArrowLines = 6.0;  // length, in widths of a line
-constexpr double kLeap_m = 1.0;      // no line leads from pose to pose farther apart
+constexpr double kArrowLines = 6.0;  // length, in line widths
+constexpr double kLeap_m = 1.0;      // poses farther apart are not joined by a line
 
-/// How sure a pose is: blue, amber and red. A later kind is drawn above the ones before it.
+/// Certainty of a pose: blue, amber and red. A later kind is drawn above the ones before it.
 enum class PoseKind : std::uint8_t { kSure, kOpen, kPoor };
 constexpr std::array kPoseKinds{PoseKind::kSure, PoseKind::kOpen, PoseKind::kPoor};
 
 struct ShownPose {
   Pose2 T_map_base;
   PoseKind kind = PoseKind::kSure;
-  std::optional<Pose2> other{};  ///< a pose elsewhere that may be as good: hollow, at the end of a dashed line
+  std::optional<Pose2> other{};  ///< another pose that may be as good: hollow, at the end of a dashed line
 };
 
 struct PosesOverlay {
@@ -43,7 +43,7 @@ Colour colour_of_kind(PoseKind kind) {
   return kKindColours.at(static_cast<std::size_t>(kind));
 }
 
-// A slim arrow head whose tail is notched; the pose lies in its middle.
+// Draws a slim arrow head with a notched tail; the pose is at its middle.
 void draw_arrow(Canvas& canvas, const Point2& at, double theta_rad, double length, PoseKind kind, bool is_hollow) {
   const auto [sin, cos] = sin_cos(theta_rad);
   const Point2 forward(cos, -sin);

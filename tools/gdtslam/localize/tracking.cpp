@@ -69,14 +69,14 @@ nlohmann::ordered_json as_json(const DriveChanges& seen, const MapChanges& chang
 
 struct TrackWork {
   std::unique_ptr<Backend> backend;
-  std::unique_ptr<Backend> cpu;  // follows, whatever searches
+  std::unique_ptr<Backend> cpu;  // tracks, whatever device searches
   std::unique_ptr<Localizer> localizer;
   TrackedDrive drive;
-  std::unique_ptr<DriveChanges> changes;  // null unless they are asked for
+  std::unique_ptr<DriveChanges> changes;  // null unless requested
   MapChanges found;
 };
 
-// One scan comes after the other, so threads are left for nothing but the kernels, which are too short for them.
+// Scans are tracked one after the other, and their kernels are too short for threads.
 TrackWork track_with(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job,
                      DeviceOptions device) {
   device.threads = 1;

@@ -1,4 +1,4 @@
-// gdtslam map: a log of laser and odometry to a map and a trajectory.
+// gdtslam map: makes a map and a trajectory from a log of laser and odometry.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -43,7 +43,7 @@ struct MapOptions {
   bool lenient = false;
   RecordingOptions recording;
   std::string mcap;       ///< empty: none
-  std::string continued;  ///< folder of a run to go on with; empty: a new run
+  std::string continued;  ///< folder of a run to continue; empty: a new run
   bool force = false;
   bool no_cloud = false;
   bool no_map = false;
@@ -53,7 +53,7 @@ struct MapOptions {
   bool quiet = false;
 };
 
-// --matcher is short for --set match.matcher. Where both are given they must agree.
+// --matcher is short for --set match.matcher. If both are given they must agree.
 Settings read_settings(const MapOptions& options) {
   SettingsOptions settings = options.settings;
   if (!options.matcher.empty()) {
@@ -69,7 +69,7 @@ Settings read_settings(const MapOptions& options) {
   return loaded;
 }
 
-// A device shows by its submissions that it did the work; a CPU has none.
+// Submissions show that a device did the work; a CPU has none.
 std::string device_work_text(const MapperStatistics& s) {
   return s.submissions > 0 ? fmt::format("; {} submissions to the device", s.submissions) : std::string();
 }
@@ -82,7 +82,7 @@ std::string loops_text(const ClosedPath& closed) {
   return fmt::format("loops: {} of {} hold; {}\n{}", on, closed.loops.size(), fit, uncertain_line(closed.covariances));
 }
 
-// `waited_s` is all that the user waited for: beyond the time in report.json the last files and those of --mcap.
+// `waited_s`: the user's whole waiting time; it adds the last files and those of --mcap to the time in report.json.
 std::string summary_text(const MapOutcome& outcome, const std::string& folder, double waited_s) {
   const MapperStatistics& s = outcome.statistics;
   const double rate = waited_s > 0.0 ? static_cast<double>(scans_of(outcome)) / waited_s : 0.0;
@@ -115,7 +115,7 @@ std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
   return text + "\n";
 }
 
-// Draws cloud.png; empty where this build cannot.
+// Draws cloud.png; empty if this build cannot.
 CloudPicture cloud_painter() {
 #ifdef GDTSLAM_HAS_VIEWER
   return draw_run_cloud;
@@ -181,7 +181,7 @@ void write_mcap(const MapOptions& options, const MapRequest& request, const MapO
   }
 }
 
-// Options that determine the result are those of the run.
+// A continued run keeps the options that determine its result.
 void check_continued(const CLI::App& command, const MapOptions& options) {
   if (options.continued.empty()) {
     if (options.logs.empty()) throw CLI::RequiredError("log");

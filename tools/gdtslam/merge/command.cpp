@@ -1,4 +1,4 @@
-// gdtslam merge: runs of several drives to sites, each with one map.
+// gdtslam merge: joins the runs of several drives to sites with one map each.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -46,7 +46,7 @@ std::string to_text(const JoinedSite& site) {
   return text;
 }
 
-// One that nearly overlaps is worth a word: what was found there did not agree, or fits elsewhere as well.
+// Reports a run that nearly overlaps: its matches did not agree, or fit elsewhere as well.
 std::string to_text(const RunSearch& search) {
   const SessionOverlap& overlap = search.search.overlap;
   if (!search.search.edges.empty() || overlap.possible == 0) return {};

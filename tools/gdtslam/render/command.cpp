@@ -58,7 +58,7 @@ std::string as_text(const RenderResult& result) {
   return text + fmt::format(" {}\n", bytes_text(result.bytes));
 }
 
-// Mistakes that need no input to be read.
+// Reports mistakes that show without reading an input.
 void check_options(const RenderOptions& options) {
   if (!options.output.empty()) read_output_kind(options.output);
   if (!options.view.empty()) render_view(options.view, options.as);
@@ -133,7 +133,7 @@ int render_inputs(const RenderOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-/// An option of a group of the help.
+/// Adds an option to a group of the help.
 template <class Value>
 CLI::Option* add(CLI::App& command, const char* group, const char* name, Value& value, const std::string& doc,
                  const char* type) {

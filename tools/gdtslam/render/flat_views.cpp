@@ -1,4 +1,4 @@
-// The studio's views that need no OpenGL: maps, fields, paths, plots.
+// The studio's views without OpenGL: maps, fields, paths, plots.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 namespace gdtslam {
 namespace {
 
-// Plots are drawn small and scaled up, so that their words are as large beside their lines as on a printed page.
+// Plots are drawn small and scaled up, which keeps the ratio of words to lines of a printed page.
 PictureSize plot_size(const std::optional<PictureSize>& wanted) {
   constexpr double kWidth_px = 960.0;
   const PictureSize size = wanted.value_or(kStillSize);
@@ -31,7 +31,7 @@ PictureSize plot_size(const std::optional<PictureSize>& wanted) {
           static_cast<std::uint32_t>(std::lround(share * size.height))};
 }
 
-// In the order of time, which relations need not be in.
+// Sorted by time, because relations may be unsorted.
 std::vector<TrajectoryError> read_errors(RenderSource& source, const RenderOptions& options) {
   if (!options.relations.empty()) {
     const std::vector<Relation> relations = read_relations(options.relations);
@@ -45,7 +45,7 @@ std::vector<TrajectoryError> read_errors(RenderSource& source, const RenderOptio
   return errors_against(source.trajectory(), given_trajectory(options.reference));
 }
 
-// Summary of errors in the words of `gdtslam evaluate`: "RMSE 0.0124 m, largest 0.0312 m, 2,884 of 2,884 poses".
+// Summary of errors in the format of `gdtslam evaluate`: "RMSE 0.0124 m, largest 0.0312 m, 2,884 of 2,884 poses".
 std::string error_words(const std::vector<double>& errors) {
   std::vector<double> known;
   for (const double error : errors) {
@@ -92,7 +92,7 @@ Canvas RenderStudio::before_and_after_loops(const Wanted& wanted) {
 }
 
 std::unique_ptr<Film> RenderStudio::loops(const PictureSize& size, std::size_t frames) {
-  constexpr std::size_t kHeldShare = 5;  // divides a short film
+  constexpr std::size_t kHeldShare = 5;  // divisor of the length of a short film
   const auto second = static_cast<std::size_t>(std::lround(frames_per_s()));
   const LoopsFilmLength length{frames,
                                std::clamp<std::size_t>(second, 1, std::max<std::size_t>(frames / kHeldShare, 1))};

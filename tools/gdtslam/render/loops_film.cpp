@@ -25,7 +25,7 @@ Pose2 pose_between(const Pose2& from, const Pose2& to, double share) {
           from.theta_rad + share * wrap_angle(to.theta_rad - from.theta_rad)};
 }
 
-/// A covariance of a tangent at this pose, along the axes of the map.
+/// Rotates a covariance of the tangent at this pose to the axes of the map.
 PoseCovariance along_map(const Matrix3& covariance, const Pose2& pose) {
   const Matrix3 turn = adjoint_matrix({0.0, 0.0, pose.theta_rad});
   const Matrix3 c = turn * times_transposed(covariance, turn);
@@ -42,7 +42,7 @@ PoseCovariance covariance_between(const PoseCovariance& a, const PoseCovariance&
           .tt = mix(a.tt, b.tt)};
 }
 
-/// A run with its stages, shown at any moment.
+/// A run with its stages, drawn at any instant.
 class LoopsReplay {
  public:
   LoopsReplay(RenderSource& source, std::size_t most_stages)
@@ -60,9 +60,9 @@ class LoopsReplay {
 
   [[nodiscard]] const LoopsPath& path() const { return path_; }
   [[nodiscard]] const LoopsScene& scene() const { return scene_; }
-  /// The last one is the adjusted path.
+  /// The stages; the last one is the adjusted path.
   [[nodiscard]] const std::vector<ReplayStage>& stages() const { return stages_; }
-  /// `glow`: of the loops of each stage.
+  /// `glow`: brightness of the loops of each stage.
   [[nodiscard]] LoopsMoment moment(const LoopsInstant& instant, const std::vector<double>& glow) const {
     const std::vector<Pose2> places = places_at(instant);
     LoopsMoment moment;
@@ -80,7 +80,7 @@ class LoopsReplay {
       }
     }
 
-    // Loops that are switched off lie on top: there are few.
+    // Loops that are switched off are few and are drawn on top.
     std::stable_sort(moment.loops.begin(), moment.loops.end(),
                      [](const MovedLoop& a, const MovedLoop& b) { return a.is_on && !b.is_on; });
     if (instant.is_over) return moment;
@@ -92,7 +92,7 @@ class LoopsReplay {
     }
     return moment;
   }
-  /// "12 min 5 s, 340 m, 3 of 4 loops on"; before the first loop nothing of loops.
+  /// "12 min 5 s, 340 m, 3 of 4 loops on"; before the first loop without the loops.
   [[nodiscard]] std::string read_out(const LoopsInstant& instant) const {
     std::size_t found = 0;
     std::size_t on = 0;
@@ -131,7 +131,7 @@ class LoopsReplay {
     for (std::size_t i = 0; i < to.size(); ++i) places.push_back(pose_between(from[i], to[i], instant.bent));
     return places;
   }
-  /// Covariance of the robot's pose, in a stage that has come this far.
+  /// Covariance of the robot's pose at this distance in a stage.
   [[nodiscard]] PoseCovariance covariance_in(const ReplayStage& stage, double driven_m) const {
     const std::size_t last = stage.place + stage.covariances.size() - 1;
     const std::size_t place = std::clamp(path_.place_at(driven_m), stage.place, last);
@@ -179,7 +179,7 @@ class LoopsFilm : public Film {
   MapLook look_;
   PictureSize size_;
   std::vector<LoopsInstant> timeline_;
-  std::vector<std::size_t> begins_;  ///< the first frame of each stage
+  std::vector<std::size_t> begins_;  ///< first frame of each stage
 };
 
 }  // namespace

@@ -8,13 +8,13 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kLeastBend = 4;  // frames in which the eye can follow
+constexpr std::size_t kLeastBend = 4;  // frames that the eye can follow
 constexpr std::size_t kMostBend = 25;
-constexpr std::size_t kFadeShare = 12;  // the map comes up in this fraction of the film
+constexpr std::size_t kFadeShare = 12;  // divisor: the map fades in during this fraction of the film
 
 std::size_t fading(const LoopsFilmLength& length) { return length.frames / kFadeShare; }
 
-/// Frames of the drive and of what bends it.
+/// Frames of the drive and of the loop closures.
 std::size_t moving(const LoopsFilmLength& length) {
   const std::size_t still = length.held + fading(length);
   return length.frames > still ? length.frames - still : 0;
@@ -54,12 +54,12 @@ class TimelineMaker {
 };
 
 constexpr double kPointEvery_m = 0.1;
-constexpr double kReach_m = 15.0;  // farther away a degree of heading would cover everything
+constexpr double kReach_m = 15.0;  // farther away a degree of heading would blur everything
 constexpr int kBeams = 720;
 
-/// The robot itself stands in no wall, whatever the map says of the cells around it.
+/// The robot's own position is free, whatever the map has around it.
 constexpr double kOwnPlace_m = 0.25;
-constexpr double kStepsPerCell = 8.0;  ///< along a beam: a corner that is cut by less hides nothing
+constexpr double kStepsPerCell = 8.0;  ///< along a beam: a corner cut by less hides nothing
 
 std::optional<CellIndex> wall_along(const OccupancyMap& map, const Point2& from_m, const Point2& direction,
                                     double reach_m) {
@@ -73,8 +73,8 @@ std::optional<CellIndex> wall_along(const OccupancyMap& map, const Point2& from_
   return std::nullopt;
 }
 
-/// The middle of every occupied cell in which a beam ends that no other wall hides, each once, by row and column of the
-/// map; in the frame of the pose. A beam ends where the map is unknown, too, without a wall.
+/// Centres of all occupied cells visible from the pose, each once, by row and column of the map; in the frame of the
+/// pose. A beam also ends at unknown cells, without a wall.
 std::vector<Point2> walls_seen_from(const OccupancyMap& map, const Pose2& T_map_pose) {
   std::vector<CellIndex> cells;
   const Point2 from_m = T_map_pose.translation();
@@ -120,7 +120,7 @@ std::vector<LoopsInstant> loops_timeline(const std::vector<double>& stages_m, do
   maker.bend(bends, bend);
   maker.bring_up_map(fading(length));
   maker.hold(length.held);
-  // A film too short for everything keeps its end.
+  // A film that is too short for everything keeps its end.
   const std::size_t count = std::max<std::size_t>(length.frames, 1);
   if (frames.size() > count) frames.erase(frames.begin(), frames.end() - static_cast<std::ptrdiff_t>(count));
   return frames;

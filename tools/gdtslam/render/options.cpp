@@ -19,7 +19,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostSide_px = 16384;
-constexpr double kLargestEnd = 1e12;  // farthest end of a scale: beyond it the two ends could be one number in degrees
+constexpr double kLargestEnd = 1e12;  // farthest end of a scale: beyond it both ends could be one number in degrees
 
 constexpr std::array<std::pair<std::string_view, CloudColour>, 6> kColours{{{"height", CloudColour::kHeight},
                                                                             {"elevation", CloudColour::kElevation},
@@ -76,7 +76,7 @@ Unit scale_unit(CloudColour colour) {
   return Unit::kNone;
 }
 
-/// The two sides of "MIN:MAX"; a side that is empty stays open.
+/// The two sides of "MIN:MAX"; an empty side is open.
 OpenRange read_ends(const std::string& option, const std::string& text, Unit unit, std::string_view example) {
   const std::size_t middle = text.find(':');
   if (middle == std::string::npos) {
@@ -121,7 +121,7 @@ bool has_true_path(const RenderOptions& options) {
   if (options.reference.empty()) return false;
   const RenderKind kind = kind_of_input(options.reference);
   if (kind != RenderKind::kRun) return kind == RenderKind::kTrajectory;
-  // A run with a cloud is both: the path for the views of errors, the points for the others.
+  // A run with a cloud fits both: its path for the views of errors, its points for the others.
   return options.view == "errors" || options.view == "trajectory" ||
          RunReader(options.reference).summary().cloud_points == 0;
 }

@@ -1,4 +1,4 @@
-// The options of `gdtslam render`: as they were typed, and what they mean. Thread-safe.
+// The options of `gdtslam render`: as typed, and their parsed values. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,7 @@ struct RenderOptions {
   bool quiet = false;
 };
 
-/// Whether errors of a trajectory can be drawn: relations are given, or a reference that is a trajectory.
+/// Whether errors of a trajectory can be drawn: there are relations, or the reference is a trajectory.
 bool has_truth(const RenderOptions& options);
 /// Whether the reference is a trajectory.
 bool has_true_path(const RenderOptions& options);
@@ -49,7 +49,7 @@ bool has_true_path(const RenderOptions& options);
 /// "1280x720".
 PictureSize read_size(const std::string& text);
 
-/// Place of the camera: one of the presets, or a camera of the user.
+/// Camera: one of the presets, or one given by the user.
 struct Viewpoint {
   CameraPreset preset = CameraPreset::kIso;
   std::optional<Camera> camera;
@@ -60,17 +60,17 @@ Viewpoint read_viewpoint(const std::string& text);
 enum class Background : std::uint8_t { kDefault, kDark, kLight, kNone };
 Background read_background(const std::string& text);
 
-/// Parts that are left out of a picture, "floor,path".
+/// Parts to leave out of a picture, "floor,path".
 struct Hidden {
   bool floor = false;
   bool ceiling = false;
   bool path = false;
   bool caption = false;
-  bool nothing = false;  ///< "none": the ceiling is drawn from above, too
+  bool nothing = false;  ///< "none": even the ceiling is drawn from above
 };
 Hidden read_hidden(const std::string& text);
 
-/// Two ends, either of which may be left open.
+/// Two ends; either may be open.
 struct OpenRange {
   std::optional<double> least;
   std::optional<double> most;
@@ -80,10 +80,10 @@ OpenRange read_scale_range(const std::string& text, CloudColour colour);
 /// "FROM:TO", seconds from the first pose of a log.
 OpenRange read_time_range(const std::string& text);
 
-/// Everything about a cloud's look but floor and ceiling, which depend on the view.
+/// The look of a cloud except floor and ceiling, which depend on the view.
 CloudLook read_cloud_look(const RenderOptions& options);
 
-/// The words that --from, --background, --hide or --colour can have.
+/// The words allowed for --from, --background, --hide or --colour.
 std::vector<std::string> option_words(std::string_view option);
 std::vector<std::string> colour_map_names();
 /// "height, elevation, time".

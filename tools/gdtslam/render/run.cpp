@@ -35,7 +35,7 @@ constexpr std::uint64_t kPagePoints = 500'000;
 constexpr std::uint64_t kMostGlbPoints = 1'000'000;
 constexpr double kTurn_s = 4.0;  // one turn of a linkage in glTF, the same as in its film
 
-// "map, graph"; of a film where none of them moves, those of stills.
+// Names of the possible views, "map, graph"; for a film without a moving view, those of stills.
 std::string views_instead(unsigned parts, bool moves) {
   std::string there_are = views_there_are(parts, moves);
   if (!there_are.empty()) return there_are;
@@ -43,7 +43,7 @@ std::string views_instead(unsigned parts, bool moves) {
   return of_stills.empty() ? "none" : of_stills + ", and none of them moves";
 }
 
-// The view that was asked for or suits, checked against input and output.
+// The requested view or the default, checked against input and output.
 const RenderView& choose_view(const RenderOptions& options, const std::vector<RenderSource>& sources, OutputKind kind) {
   const RenderSource& source = sources.front();
   const unsigned parts = render_parts(options, sources);
@@ -80,7 +80,7 @@ std::string default_file(const RenderSource& source, const RenderView& view) {
   return fmt::format("{}-{}{}{}.png", source.name(), view.name, view.as.empty() ? "" : "-", view.as);
 }
 
-// Without floor and ceiling if that is asked for, as in pictures.
+// Removes floor and ceiling if the options say so, as in pictures.
 Cloud filtered(Cloud cloud, const Hidden& hidden) {
   if (!hidden.floor && !hidden.ceiling) return cloud;
   CloudLook look;
@@ -91,7 +91,7 @@ Cloud filtered(Cloud cloud, const Hidden& hidden) {
   return kept;
 }
 
-// In the middle of a page of this size, in the drawing's own background.
+// Centres the drawing on a page of this size, with the drawing's own background.
 Canvas on_page(const Canvas& drawing, double width, double height) {
   constexpr double kSame = 1e-6;
   if (std::fabs(width - drawing.width()) < kSame && std::fabs(height - drawing.height()) < kSame) return drawing;
@@ -155,7 +155,7 @@ class Render {
     throw UsageError(fmt::format("--view, --as and --size are for pictures, not for {}", to_string(result_.kind)));
   }
 
-  /// A .glb of an input that has a linkage and no cloud.
+  /// Whether the output is a .glb of an input with a linkage but no cloud.
   [[nodiscard]] bool is_linkage_model() const {
     const unsigned parts = sources_.front().parts() & (part::kCloud | part::kLinkage);
     return result_.kind == OutputKind::kGlb && parts == part::kLinkage;
@@ -170,7 +170,7 @@ class Render {
     std::optional<PictureSize> wanted;
     if (!options_.size.empty()) wanted = read_size(options_.size);
     Canvas drawing = (studio_.*view.draw)(wanted);
-    // Plots are drawn small and scaled up to the pixels that were asked for.
+    // Plots are drawn small and scaled up to the requested pixels.
     const bool is_pixels = result_.kind == OutputKind::kPng;
     const PictureSize target = wanted.value_or(kStillSize);
     const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
@@ -238,7 +238,7 @@ class Render {
   void write_model() {
     RenderSource& source = sources_.front();
     if (is_linkage_model()) {
-      constexpr int kSteps = 120;  // steps of 3 degrees, between which a straight line is 0.04 % of the crank off
+      constexpr int kSteps = 120;  // steps of 3 degrees; a straight line deviates by 0.04 % of the crank
       write_linkage_glb(result_.file, studio_.title(), linkage_solids(source.linkage(), kSteps), kTurn_s);
       return;
     }

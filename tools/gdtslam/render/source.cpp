@@ -58,18 +58,18 @@ bool is_preset(const std::string& name) {
   return false;
 }
 
-// The beginning of a file, unpacked.
+// The beginning of a file, decompressed.
 std::string read_head(const std::string& path) {
   constexpr std::size_t kHeadBytes = 65536;
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
   if (!file) throw FileError(path, "cannot be opened: " + errno_text(errno));
   std::string head(kHeadBytes, '\0');
   const int count = ::gzread(file.get(), head.data(), static_cast<unsigned>(head.size()));
-  head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // damage shows when the file is read in full
+  head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // damage is reported when the file is read in full
   return head;
 }
 
-// True where a line of the text begins with the word.
+// Whether a line of the text begins with the word.
 bool has_line(std::string_view text, std::string_view word) {
   for (std::size_t begin = 0; begin < text.size();) {
     if (text.substr(begin).starts_with(word)) return true;
@@ -80,7 +80,7 @@ bool has_line(std::string_view text, std::string_view word) {
   return false;
 }
 
-// Eight numbers on the first line that is no comment: stamp, place and rotation.
+// Whether the first line that is not a comment has eight numbers: stamp, position and rotation.
 bool is_tum(std::string_view text) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -116,7 +116,7 @@ RenderKind kind_of_file(const std::string& path) {
                    "gdtslam map LOG -o DIR, then gdtslam render DIR");
 }
 
-// False for what is not finite, too.
+// False also for points that are not finite.
 bool is_near(const CloudPoint& point) {
   const auto is_within = [](double value_m) { return value_m >= -kFarthest_m && value_m <= kFarthest_m; };
   return is_within(point.x_m) && is_within(point.y_m) && is_within(point.z_m);
@@ -131,7 +131,7 @@ std::string file_stem(const std::string& path) {
 
 struct PointsRead {
   std::uint64_t read = 0;
-  std::uint64_t near = 0;  ///< points among them that can be drawn
+  std::uint64_t near = 0;  ///< points that can be drawn
 };
 // Throws InputError if no point can be drawn.
 void report_strays(const std::string& path, const CloudReader& reader, const PointsRead& points,
@@ -210,7 +210,7 @@ RenderSource::RenderSource(std::string input)
   }
 }
 
-// A file, or a folder that has one and perhaps the path beside it.
+// Opens a file, or a folder with a cloud and perhaps the path.
 void RenderSource::open_cloud() {
   cloud_file_ = given_cloud(input_);
   parts_ = part::kCloud;
@@ -239,7 +239,7 @@ const FieldPicture& RenderSource::field() {
   return *field_;
 }
 
-// In double, so that a path in a country's grid keeps its millimetres.
+// Double precision keeps the millimetres of a path in a national grid.
 Trajectory RenderSource::read_trajectory() const {
   if (run_) return run_->trajectory();
   Trajectory trajectory = read_tum(trajectory_file_);
@@ -262,7 +262,7 @@ const Trajectory& RenderSource::trajectory() {
 
 const calib::SweepModel& RenderSource::linkage() { return linkage_.value(); }
 
-// A run's file is checked against its report by another thread meanwhile.
+// Another thread checks a run's file against its report meanwhile.
 PointsOfCloud RenderSource::cloud(const CloudReading& reading) const {
   SideThread check(run_.has_value(), 1);
   const auto finish = [&] {
@@ -274,7 +274,7 @@ PointsOfCloud RenderSource::cloud(const CloudReading& reading) const {
     PointsOfCloud points = read_cloud(run_ ? run_->files().path(kCloudName) : cloud_file_, reading);
     finish();
     return points;
-  } catch (const Error&) {  // a file that is not the run's own is reported first
+  } catch (const Error&) {  // report first if the file is not the run's own
     finish();
     throw;
   }
@@ -283,7 +283,7 @@ PointsOfCloud RenderSource::cloud(const CloudReading& reading) const {
 std::string RenderSource::cloud_file() const { return run_ ? run_->cloud_file().value() : cloud_file_; }
 
 void RenderSource::require_values(CloudColour colour) const {
-  if (kind_ != RenderKind::kCloud) return;  // a run's have all of them
+  if (kind_ != RenderKind::kCloud) return;  // a run has all values
   const CloudReader reader(cloud_file_);
   const CloudHeader& header = reader.header();
   const char* const missing = colour == CloudColour::kTime && !header.has_time             ? "times"

@@ -1,4 +1,4 @@
-// Inputs of `gdtslam render`: the kind of each, recognised by content, and its data, read once when a view needs them.
+// Inputs of `gdtslam render`: each one's kind, recognised by content, and its data, read once when a view needs them.
 // One source belongs to one thread.
 #pragma once
 
@@ -25,11 +25,11 @@ namespace gdtslam {
 enum class RenderKind : std::uint8_t { kRun, kCloud, kLinkage, kMap, kField, kTrajectory };
 /// "a run", "a cloud", ...
 std::string_view to_string(RenderKind kind);
-/// By the path's kind and the first bytes, unpacked; a preset's name is a linkage. Throws FileError for what is not
-/// there (with the nearest preset), InputError for what is no input, a log among it.
+/// Detects the kind by the path and the first bytes, decompressed; a preset's name is a linkage. Throws FileError for a
+/// missing file (with the nearest preset), InputError for other content, logs included.
 RenderKind kind_of_input(const std::string& input);
 
-/// Parts that a view needs; a set of them as bits.
+/// Data that views need, as bits of a set.
 namespace part {
 inline constexpr unsigned kMap = 1U;
 inline constexpr unsigned kField = 2U;
@@ -44,49 +44,49 @@ inline constexpr unsigned kReplay =
     512U;  ///< the graph of a run that closed loops in one drive, so not of a merged site
 }  // namespace part
 
-/// How a cloud is read.
+/// Options for reading a cloud.
 struct CloudReading {
-  std::uint64_t most = 0;                                 ///< points; more are thinned (PointLimit); 0: all are kept
+  std::uint64_t most = 0;                                 ///< points; more are thinned (PointLimit); 0: no limit
   std::function<bool(const CloudPoint&)> is_wanted{};     ///< empty: all are
-  std::function<void(std::uint64_t, double)> progress{};  ///< points that are read and their share; below 0: unknown
-  std::function<void(const std::string&)> remark{};       ///< receives a line about points that are left out
+  std::function<void(std::uint64_t, double)> progress{};  ///< points read and their share; below 0: unknown
+  std::function<void(const std::string&)> remark{};       ///< receives a line about skipped points
 };
 struct PointsOfCloud {
   Cloud cloud;
-  std::uint64_t points = 0;  ///< before they were thinned
+  std::uint64_t points = 0;  ///< before thinning
 };
 
 class RenderSource {
  public:
-  /// Throws as kind_of_input() and RunReader do.
+  /// Throws like kind_of_input() and RunReader.
   explicit RenderSource(std::string input);
 
   [[nodiscard]] RenderKind kind() const { return kind_; }
   [[nodiscard]] const std::string& input() const { return input_; }
-  /// For titles and names of files: "office-7f".
+  /// Name for titles and files: "office-7f".
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] unsigned parts() const { return parts_; }
-  /// A linkage from elsewhere: a preset's name or a file.
+  /// Sets another linkage: a preset's name or a file.
   void set_linkage(const std::string& linkage);
-  /// A run's, else nothing.
+  /// Null if the input is not a run.
   [[nodiscard]] const RunReader* run() const { return run_ ? &*run_ : nullptr; }
 
-  // Each throws InputError, FileError or ConfigError where its file cannot be used.
+  // Each throws InputError, FileError or ConfigError if its file cannot be used.
   const OccupancyMap& map();
   const FieldPicture& field();
-  /// Beside a cloud that is no run's relative to what was taken off its points (origin_of_cloud), as cloud() is.
+  /// Beside a cloud without a run, relative to the origin taken off its points (origin_of_cloud), like cloud().
   const Trajectory& trajectory();
-  /// The model of the mount; of an input with kMount alone only the mount counts.
+  /// The model of the mount; an input with kMount alone has a valid mount only.
   const calib::SweepModel& linkage();
-  /// Read anew at each call, because a scene keeps what it draws.
+  /// Reads the cloud at each call, because a scene keeps the points that it draws.
   [[nodiscard]] PointsOfCloud cloud(const CloudReading& reading) const;
-  /// A run's is checked against its report.
+  /// The cloud's file; a run's file is checked against its report.
   [[nodiscard]] std::string cloud_file() const;
-  /// Throws UsageError where the points of a cloud that is no run's have no values to colour them by.
+  /// Throws UsageError if a cloud without a run has no values for this colour.
   void require_values(CloudColour colour) const;
-  /// Path, keyframes and doubtful scans; empty where there is no trajectory.
+  /// Path, keyframes and doubtful scans; empty if there is no trajectory.
   PathOverlay overlay();
-  /// The graph of an input that has kGraph: loops, covariances, doubtful stretches, and a line that counts them.
+  /// The graph of an input with kGraph: loops, covariances, doubtful stretches, and a line with their numbers.
   struct Graph {
     GraphOverlay overlay;
     std::string subtitle;
@@ -110,13 +110,13 @@ class RenderSource {
   std::optional<calib::SweepModel> linkage_;
 };
 
-/// A cloud from a file. Points that are not finite or farther than 1000 km from the origin, where single precision is
-/// coarser than 6 cm, are left out, and `remark` hears how many. Throws InputError or FileError, also when no points
-/// are left.
+/// Reads a cloud from a file. Points that are not finite or farther than 1000 km from the origin are skipped, and
+/// `remark` receives their number; single precision is coarser than 6 cm there. Throws InputError or FileError, also if
+/// no points are left.
 PointsOfCloud read_cloud(const std::string& path, const CloudReading& reading);
-/// The origin that was taken off the points of that cloud when it was read (CloudReader::make_relative).
+/// The origin taken off the points of that cloud on reading (CloudReader::make_relative).
 std::array<double, 3> origin_of_cloud(const std::string& path);
-/// The own name of a file or folder, whatever the path to it looks like.
+/// The last name of a file's or folder's path, whatever the form of the path.
 std::string name_of_place(const std::string& path);
 
 }  // namespace gdtslam

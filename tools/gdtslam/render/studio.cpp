@@ -20,14 +20,14 @@ namespace {
 
 constexpr double kFramesPerSecond = 25.0;
 constexpr double kMostFrames = 100'000.0;
-constexpr double kFarDistance_m = 1.0;     // to a reference: what is farther counts as that, or as what is shown
+constexpr double kFarDistance_m = 1.0;     // limit of distances to a reference, if the scale shows no more
 constexpr std::size_t kStillFrames = 101;  // frames of the film that a still is taken from
 constexpr std::uint64_t kFilmPoints = 500'000;
-constexpr std::uint64_t kFollowPoints = 1'000'000;  // seen from near
+constexpr std::uint64_t kFollowPoints = 1'000'000;  // seen from close by
 
-// A cloud from the side is long and low: it fills the picture between its title and its bars.
+// A cloud from the side is long and low: it fills the picture between title and bars.
 PictureSize size_of_elevation(double width_m, double height_m) {
-  constexpr double kShareOfWidth = 0.88;  // that a parallel camera leaves to the cloud
+  constexpr double kShareOfWidth = 0.88;  // share that a parallel camera leaves to the cloud
   constexpr double kWords_px = 150.0;     // above and below
   constexpr double kLowest_px = 260.0;
   const double rows = kShareOfWidth * kStillSize.width * height_m / std::max(width_m, 1e-3) + kWords_px;
@@ -57,7 +57,7 @@ std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const std::
 }
 
 std::uint64_t points_of_still(const PictureSize& size) {
-  constexpr std::uint64_t kFewestPoints = 1'000'000;  // which take 200 MB
+  constexpr std::uint64_t kFewestPoints = 1'000'000;  // about 200 MB
   return std::max(kFewestPoints, std::uint64_t{size.width} * size.height);
 }
 
@@ -128,7 +128,7 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
                           {.progress = [&progress](std::uint64_t done, double share) { progress.update(done, share); },
                            .remark = [this](const std::string& remark) { print_note(remark); }})
           .cloud;
-  // Both were read relative to origins of their own.
+  // Both clouds were read relative to their own origins.
   const std::array<double, 3> to = origin_of_cloud(sources_.front().cloud_file());
   const std::array<double, 3> from = origin_of_cloud(file);
   if (run) run->files().expect_unchanged();
@@ -142,7 +142,7 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
   return distances_to(cloud, reference, std::max(kFarDistance_m, shown_m));
 }
 
-// A ceiling hides the rooms from above; seen from the side it belongs to the picture.
+// A ceiling hides the rooms from above; from the side it belongs to the picture.
 CloudLook RenderStudio::cloud_look(CameraPreset from, bool is_film) const {
   CloudLook look = read_cloud_look(options_);
   const bool is_from_side = from == CameraPreset::kFront || from == CameraPreset::kSide;
@@ -152,7 +152,7 @@ CloudLook RenderStudio::cloud_look(CameraPreset from, bool is_film) const {
   return look;
 }
 
-// OpenGL draws 16384 pixels a side, so that the largest pictures have one sample a pixel.
+// OpenGL draws at most 16384 pixels a side, so the largest pictures have one sample per pixel.
 bool RenderStudio::is_huge() const {
   constexpr std::uint32_t kMostSmooth_px = 8192;
   if (options_.size.empty()) return false;
@@ -197,7 +197,7 @@ Canvas RenderStudio::cloud(const Wanted& wanted) {
   }
   const bool shows_all = !viewpoint_.camera;
   CloudScene& scene = cloud_scene(from, shows_all ? points_of_still(wanted.value_or(kStillSize)) : 0, false);
-  drawn_ = {};  // the scene has what it draws
+  drawn_ = {};  // the scene keeps the points that it draws
   const PictureSize size = wanted ? *wanted : size_for(from, scene.bounds());
   const Camera camera = viewpoint_.camera ? *viewpoint_.camera : fitting_camera(from, scene.bounds(), size);
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, size));
@@ -205,7 +205,7 @@ Canvas RenderStudio::cloud(const Wanted& wanted) {
 }
 
 LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
-  constexpr std::uint32_t kNarrowest = 640;  // beside the scene a panel needs room
+  constexpr std::uint32_t kNarrowest = 640;  // a panel beside the scene needs room
   const LinkageLook look{.is_dark = read_background(options_.background) == Background::kDark,
                          .is_transparent = read_background(options_.background) == Background::kNone,
                          .with_panel = !hidden_.caption && size.width >= kNarrowest,
@@ -267,7 +267,7 @@ Canvas RenderStudio::poster_of_scan(const Wanted& wanted) {
   return film->frame(static_cast<std::size_t>(share * static_cast<double>(kStillFrames - 1)));
 }
 
-// Only points of the stretch are read and thinned, so that it has as many as are drawn.
+// Only points of the time range are read and thinned, so the number drawn is met.
 std::unique_ptr<Film> RenderStudio::scan(const PictureSize& size, std::size_t frames, std::uint64_t most) {
   look_ = cloud_look(CameraPreset::kFollow, most > 0);
   first().require_values(look_.colour);
@@ -282,7 +282,7 @@ std::unique_ptr<Film> RenderStudio::scan(const PictureSize& size, std::size_t fr
                                 .from_s = time.from_s,
                                 .to_s = time.to_s,
                                 .zero_s = time.first_s};
-  // The picture counts its points as they appear; their end would be a second number.
+  // The picture counts its points as they appear, so the total is not printed.
   CloudCaption words = caption();
   if (!hidden_.caption) words.subtitle = scan_subtitle();
   return scanning_film(graphics(), input, look_, words, size, frames);

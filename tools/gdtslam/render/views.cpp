@@ -48,7 +48,7 @@ constexpr std::array<Ending, 9> kEndings{{{".png", OutputKind::kPng},
                                           {".ply", OutputKind::kCloud},
                                           {".pcd", OutputKind::kCloud}}};
 
-/// Effects that options have on a view in this form; for a file without a view the form alone decides.
+/// Options with an effect on a view in this form; a file without a view depends on the form alone.
 unsigned output_effects(const RenderView* view, OutputKind output, bool is_linkage) {
   if (is_linkage) return kTitle | kLinkage;
   if (output == OutputKind::kPage) return kTitle | kDistances | kPoints | kLinkage;
@@ -62,7 +62,7 @@ unsigned output_effects(const RenderView* view, OutputKind output, bool is_linka
 struct GivenOption {
   std::string_view name;
   bool is_given = false;
-  unsigned effects = 0;   ///< one of them is enough
+  unsigned effects = 0;   ///< any one of them is enough
   std::string_view fits;  ///< content that the option is for
 };
 
@@ -217,7 +217,7 @@ void require_writable(const RenderOptions& options, const std::string& file) {
   const std::string first = are_frames ? frame_path(file, 0) : file;
   std::error_code ignored;
   if (!are_frames || std::filesystem::exists(first, ignored))
-    written.add("--output", first);  // the folder of frames is made
+    written.add("--output", first);  // the folder of frames is created
 }
 
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {

@@ -1,6 +1,5 @@
-// The views of `gdtslam render`, one table that the command, its help and --list-views read; its outputs, by the name
-// of the file; the options that have an effect on them; and one run of it, from inputs and options to a file.
-// Thread-safe apart from the files.
+// The views of `gdtslam render` as one table for the command, its help and --list-views; the outputs by file name; the
+// options with an effect on each; and a run from inputs and options to a file. Thread-safe except for the files.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +18,7 @@ namespace gdtslam {
 
 class RenderStudio;
 
-/// Effects of options, a bit each.
+/// Effects of options as bits.
 namespace effect {
 inline constexpr unsigned kFrom = 1U << 0U;        ///< --from
 inline constexpr unsigned kColour = 1U << 1U;      ///< --colour
@@ -38,7 +37,7 @@ inline constexpr unsigned kDistances = 1U << 13U;  ///< --reference, a cloud
 inline constexpr unsigned kReference = 1U << 14U;  ///< --reference, a trajectory
 inline constexpr unsigned kRelations = 1U << 15U;  ///< --relations
 inline constexpr unsigned kSeveral = 1U << 16U;    ///< more than one input
-inline constexpr unsigned kPlot = 1U << 17U;       ///< lines and words, which are scaled up to many pixels
+inline constexpr unsigned kPlot = 1U << 17U;       ///< lines and words that scale with the pixels
 inline constexpr unsigned kFilm = 1U << 18U;       ///< --fps, --seconds
 }  // namespace effect
 
@@ -47,16 +46,16 @@ struct RenderView {
   using MakeFilm = std::unique_ptr<Film> (RenderStudio::*)(const PictureSize&, std::size_t);
 
   std::string_view name;
-  std::string_view as;  ///< which of the view's kinds: --as; the first of a name is its default
+  std::string_view as;  ///< variant of the view (--as); the first row of a name is the default
   std::string_view doc;
   unsigned needs = 0;    ///< bits of `part`
   unsigned effects = 0;  ///< bits of `effect`
   Draw draw = nullptr;
-  int rank = 0;             ///< an input is drawn as the view of the highest rank if no view is named; 0: never
-  MakeFilm film = nullptr;  ///< null: does not move
-  double film_s = 0.0;      ///< how long it plays; with --time, at most
+  int rank = 0;             ///< without --view the view of the highest rank is drawn; 0: never
+  MakeFilm film = nullptr;  ///< null: the view does not move
+  double film_s = 0.0;      ///< playing time; with --time the longest one
   [[nodiscard]] bool moves() const { return film != nullptr; }
-  /// Shows several inputs side by side.
+  /// Whether several inputs can be shown side by side.
   [[nodiscard]] bool compares() const { return (effects & effect::kSeveral) != 0; }
   /// "errors --as cdf".
   [[nodiscard]] std::string words() const;
@@ -65,18 +64,17 @@ const std::vector<RenderView>& render_views();
 
 /// Throws UsageError with the nearest name.
 const RenderView& render_view(const std::string& name, const std::string& as);
-/// The view that an input is drawn as when none is named; the one that moves best for a film. Null if no view can be a
-/// film.
+/// The view of an input if none is named; for a film, the best moving one. Null if no view can be a film.
 const RenderView* default_view(unsigned parts, bool is_film);
-/// Names of the needed parts that are missing, "map and 3D cloud", with the joint between them; else empty.
+/// The missing parts that the view needs, "map and 3D cloud", with `joint` between them; empty if there are none.
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint = " and ");
-/// Names of the views that these parts allow, "map, field".
+/// Names of the views possible with these parts, "map, field".
 std::string views_there_are(unsigned parts, bool is_film);
 
 enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGlb, kCloud };
 
-/// By extension, in small or capital letters; a folder, or a name that ends in /, takes the frames of a film. Throws
-/// UsageError with the endings there are.
+/// Kind by extension, in upper or lower case; a folder, or a name that ends in /, receives the frames of a film. Throws
+/// UsageError with the allowed endings.
 OutputKind read_output_kind(const std::string& path);
 /// "a film in .mp4".
 std::string_view to_string(OutputKind kind);
@@ -84,20 +82,20 @@ std::string_view to_string(OutputKind kind);
 constexpr bool is_film(OutputKind kind) {
   return kind == OutputKind::kMp4 || kind == OutputKind::kGif || kind == OutputKind::kFrames;
 }
-/// Files that no view belongs to: points or parts for other programs, and pages.
+/// Files without a view: pages, and points or parts for other programs.
 constexpr bool has_no_view(OutputKind kind) {
   return kind == OutputKind::kPage || kind == OutputKind::kGlb || kind == OutputKind::kCloud;
 }
 
-/// Throws UsageError if the file is one that is read or another that is written, FileError if it has no folder.
+/// Throws UsageError if the file is also read or written under another option, FileError if its folder is missing.
 void require_writable(const RenderOptions& options, const std::string& file);
 
-/// Throws UsageError that names the first option that was given and changes nothing: a mistake, reported before
-/// anything is drawn. `view`: null for pages and models; `is_linkage`: the model is one of a linkage.
+/// Throws UsageError that names the first option without effect: a mistake, reported before drawing. `view`: null for
+/// pages and models; `is_linkage`: the model is a linkage.
 void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output,
                          bool is_linkage = false);
 
-/// Description of the file that was written.
+/// Description of the written file.
 struct RenderResult {
   std::string file;
   OutputKind kind = OutputKind::kPng;
@@ -106,17 +104,17 @@ struct RenderResult {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::uint64_t frames = 0;     ///< films only
-  double film_s = 0.0;          ///< how long it plays
+  double film_s = 0.0;          ///< playing time
   std::uint64_t points = 0;     ///< drawn, or in the page or model
-  std::uint64_t points_of = 0;  ///< before thinning, with floor and ceiling
+  std::uint64_t points_of = 0;  ///< before thinning, floor and ceiling included
   std::uint64_t bytes = 0;      ///< size of the file, or of all frames
   std::string renderer;
 };
 
-/// The parts that views may use: those of the first source and of the options.
+/// The parts available to views: from the first source and from the options.
 unsigned render_parts(const RenderOptions& options, const std::vector<RenderSource>& sources);
 
-/// Draws and writes. Throws every typed error; nothing is left behind then but the frames of a folder.
+/// Draws and writes. Throws every typed error; then only frames in a folder are left behind.
 RenderResult render(const RenderOptions& options, std::vector<RenderSource>& sources);
 
 }  // namespace gdtslam

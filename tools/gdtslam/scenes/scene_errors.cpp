@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kPiece = 65536;
 constexpr std::size_t kFewestPerThread = 1024;
 
-// Every thread has its own stretch of the points, so the answers lie in the points' order.
+// Every thread measures its own range of the points, so the results keep the points' order.
 void measure(const sim::SurfaceDistance& surfaces, const CloudFrame& frame, const Cloud& points,
              std::vector<double>& distances_m) {
   distances_m.resize(points.size());

@@ -1,5 +1,5 @@
-// How far the points of a cloud are from the true surfaces of the scene that it shows. Cost: some microseconds a point
-// and core; the cloud is read piece by piece. Results do not depend on the number of threads.
+// Distances of a cloud's points from the true surfaces of its scene. Cost: some microseconds per point and core; the
+// cloud is read in pieces. Results do not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,9 @@ struct SceneErrorsJob {
   std::string scene;  ///< a file, or the name of a scene in one of the folders
   std::vector<std::string> scene_folders;
   CloudFrame frame;
-  std::string embree_isa{};                               ///< forces Embree's instruction set, which changes nothing
+  std::string embree_isa{};                               ///< forces Embree's instruction set; results stay the same
   std::function<void(std::uint64_t, double)> progress{};  ///< points so far, share done
-  std::function<bool()> stop{};                           ///< true ends it
+  std::function<bool()> stop{};                           ///< returns true to end early
 };
 
 struct SceneErrors {

@@ -116,7 +116,7 @@ YamlValue read_document(const std::string& file) {
   return {parse_yaml<ConfigError>(read_text<ConfigError>(file, kMaxSceneBytes), file), file, ""};
 }
 
-// The names of the scenes in a folder, sorted, so that a hint does not depend on the file system.
+// Names of the scenes in a folder, sorted so that hints do not depend on the file system.
 std::vector<std::string> scenes_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -174,7 +174,7 @@ std::vector<sim::Waypoint> read_waypoints(const std::string& file) {
 }
 
 std::string find_scene(const std::string& scene, const std::vector<std::string>& folders) {
-  // A folder of that name may be what was simulated from it; a pipe is as good as a file.
+  // A folder of that name may be a simulation's output; a pipe is accepted like a file.
   std::error_code ignored;
   if (std::filesystem::exists(scene, ignored) && !std::filesystem::is_directory(scene, ignored)) return scene;
   std::vector<std::string> names;

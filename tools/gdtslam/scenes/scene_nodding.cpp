@@ -33,7 +33,7 @@ std::vector<std::string> list_names(const Names& names) {
   return list;
 }
 
-// The value of that name; empty if there is none.
+// Finds the value with that name; empty if there is none.
 template <class Names>
 auto find_named(const Names& names, const std::string& name) {
   const auto found = std::find_if(names.begin(), names.end(), [&](const auto& entry) { return name == entry.first; });

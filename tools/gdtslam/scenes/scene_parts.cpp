@@ -13,11 +13,10 @@
 namespace gdtslam {
 namespace {
 
-/// Counts the parts of one scene, because repeats, aliases and places multiply: what is refused one by one may still be
-/// without bound in sum.
+/// Counts the parts of one scene. Repeats, aliases and places multiply, so limits on each alone do not bound the sum.
 class PartCount {
  public:
-  /// To be called before anything is made of the parts.
+  /// Call it before creating the parts.
   void add(const YamlValue& value, std::size_t parts) {
     if (parts > kMaxSceneParts - parts_) {
       value.refuse("the scene has more than " + std::to_string(kMaxSceneParts) + " parts");
@@ -37,7 +36,7 @@ std::size_t read_repeat_count(const YamlValue& count, PartCount& parts) {
   return count.count();
 }
 
-/// `repeat: {count: 5, step: [2, 0]}` sets copies of a part, each a step further.
+/// `repeat: {count: 5, step: [2, 0]}` adds copies of a part, each a step further.
 YamlField repeat_field(PartCount& parts, std::vector<Point2>& offsets_m) {
   return {"repeat", [&](const YamlValue& repeat) {
             std::size_t count = 1;
@@ -86,7 +85,7 @@ void read_cylinder(const YamlValue& value, PartCount& parts, std::vector<sim::Cy
   add_copies(value, cylinder, offsets_m, cylinders);
 }
 
-/// A list whose entries a function reads.
+/// A list whose entries are read by a function.
 template <class Read>
 YamlField list_field(const char* key, Read read) {
   return {key, [read](const YamlValue& list) {
@@ -94,7 +93,7 @@ YamlField list_field(const char* key, Read read) {
           }};
 }
 
-// The field `boxes` of a scene or of an object in it.
+// The field `boxes` of a scene or of an object.
 template <class Target>
 YamlField boxes_field(PartCount& parts, Target& target) {
   return list_field("boxes", [&](const YamlValue& box) { read_box(box, parts, target.boxes); });
@@ -130,7 +129,7 @@ void read_door(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
   wall.doors.push_back(door);
 }
 
-/// A row of windows is written once: `repeat: {count: 4, step: 2.5}` sets each a step further along the leg.
+/// Reads windows; `repeat: {count: 4, step: 2.5}` makes a row of them along the leg.
 void read_windows(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
   parts.add(value, 1);
   sim::Door window{.width_m = 1.2, .sill_m = 0.9};
@@ -206,7 +205,7 @@ sim::TriangleMesh read_placed_mesh(const YamlValue& value, std::size_t max_trian
   return sim::placed_mesh(mesh.vertices, mesh.triangles, placement);
 }
 
-/// Boxes and cylinders that belong together, in a frame of their own.
+/// Boxes and cylinders of one object, in its own frame.
 struct Object {
   std::vector<sim::Box> boxes;
   std::vector<sim::Cylinder> cylinders;

@@ -1,5 +1,5 @@
-// The sections of a scene file (docs/simulation.md lists every key) and what their readers share. The readers throw
-// ConfigError with file and line.
+// Readers of the sections of a scene file (docs/simulation.md lists every key). They throw ConfigError with file and
+// line.
 #pragma once
 
 #include <string>
@@ -21,13 +21,13 @@ inline constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 /// Their readers throw FileError or InputError for a mesh. `scene` must outlive the fields.
 std::vector<YamlField> scene_part_fields(sim::Scene& scene);
 
-/// The section robot.nodding: a laser on a nodding mount. A linkage file is looked for beside the scene.
+/// Reads robot.nodding: a laser on a nodding mount. The path of a linkage file is relative to the scene.
 sim::NoddingModel read_nodding(const YamlValue& value);
 
-/// A mode by its name in scenes and options: continuous, stop-and-scan, stepped. Throws UsageError with the names.
+/// Parses a mode of scenes and options: continuous, stop-and-scan, stepped. Throws UsageError with the names.
 sim::NodMode nod_mode(const std::string& name);
 
-/// Makes the encoder as fine as a log can be: 2^30 ticks a turn.
+/// Sets the finest encoder that a log allows: 2^30 ticks a turn.
 void make_exact(calib::CrankEncoder& encoder);
 
 }  // namespace gdtslam

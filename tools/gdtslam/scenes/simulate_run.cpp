@@ -26,10 +26,10 @@ namespace gdtslam {
 namespace {
 
 constexpr double kClearanceLimit_m = 2.0;
-// The robot drives over anything up to this height.
+// The robot can drive over anything up to this height.
 constexpr double kGroundClearance_m = 0.02;
 
-/// Puts what an option states in its place. A scene was right before, so that what is wrong then is the option's fault.
+/// Applies an option. The scene was valid before, so any fault is the option's.
 template <class Value>
 void state(std::string_view option, const std::optional<Value>& stated, Value& value, SceneFile& scene) {
   if (!stated) return;
@@ -116,7 +116,7 @@ sim::MotionPlan make_plan(const SceneFile& scene, const std::string& source) {
   }
 }
 
-// Places of the robot's centre along its path, about 5 cm apart.
+// Positions of the robot's centre along its path, about 5 cm apart.
 std::vector<Point2> places_along(const SceneFile& scene, const sim::MotionPlan& plan) {
   constexpr double kStep_m = 0.05;
   constexpr double kMostPlaces = 2e6;
@@ -131,7 +131,7 @@ std::vector<Point2> places_along(const SceneFile& scene, const sim::MotionPlan& 
   return places_m;
 }
 
-// The smallest clearance of the path. Throws ConfigError where the robot would touch something.
+// Smallest clearance of the path. Throws ConfigError if the robot would touch something.
 double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, const sim::TriangleMesh& mesh,
                            const std::string& source) {
   const double floor_m = scene.scene.floor_m.value_or(0.0);
@@ -149,12 +149,12 @@ double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, 
   return *nearest;
 }
 
-// Enough decimals for multiples of the resolution. Whole centimetres still get three; ranges that are not rounded keep
-// all digits of a float beyond 4 m.
+// Enough decimals for multiples of the resolution, at least three from a millimetre on. Ranges that are not rounded
+// keep all digits of a float beyond 4 m.
 int range_decimals(const sim::LaserModel& laser) {
   constexpr double kMillimetre_m = 0.001;
   constexpr int kMostDecimals = 9;
-  constexpr double kWhole = 1e-6;  // how near to a whole number
+  constexpr double kWhole = 1e-6;  // tolerance of a whole number
   if (laser.range_resolution_m == 0.0) return kMostDecimals;
   int decimals = laser.range_resolution_m >= kMillimetre_m ? 3 : 6;
   const auto is_enough = [&] {
@@ -171,7 +171,7 @@ std::string one_word(std::string text) {
   return text.empty() ? "-" : text;
 }
 
-// The settings that made the log, so that it can be made again.
+// Header with the settings of the log, so that it can be reproduced.
 std::string log_header(const SceneFile& scene, const CarmenWriter& writer) {
   const sim::SimulationConfig& config = scene.config;
   std::vector<std::pair<std::string, std::string>> parameters{
@@ -201,16 +201,16 @@ std::string log_header(const SceneFile& scene, const CarmenWriter& writer) {
   return header;
 }
 
-/// When beams are measured is told where it was asked for: a log of whole scans reads as it always did.
+/// Beam times are written only if requested, so that a log of whole scans keeps its bytes.
 UnsaidOfScans unsaid_facts(const SceneFile& scene) {
   const sim::LaserModel& laser = scene.config.laser;
   const bool are_timed = scene.config.stamps_first_beam;
   const double period_s = are_timed ? laser.time_of_beam_s(1) - laser.time_of_beam_s(0) : 0.0;
-  // In the bits that recordings have for it, so that all formats say the same.
+  // Single precision as in recordings, so that all formats have the same value.
   return {.max_range_m = laser.max_range_m, .beam_period_s = static_cast<double>(static_cast<float>(period_s))};
 }
 
-/// The files that a simulation writes; they appear together.
+/// Files of a simulation, which appear together.
 struct Output {
   Output(const SimulateOptions& options, const SceneFile& scene) : send(options.send) {
     if (send) {
@@ -236,7 +236,7 @@ struct Output {
       log->write(lines);
     }
   }
-  // The files themselves are gone after this.
+  // Writes and publishes the files; call it last.
   void finish() {
     if (!log) return;
     log->finish();

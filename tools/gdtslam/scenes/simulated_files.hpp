@@ -1,5 +1,5 @@
-// Files that a simulation writes: the log in the format of its name, and the truth of a nodding laser beside it (the
-// elevation of each scan, every hit). One object belongs to one thread.
+// Files that a simulation writes: the log in the format of its name, and the truth of a nodding laser (the elevation of
+// each scan, every hit). One object belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -17,22 +17,22 @@
 
 namespace gdtslam {
 
-/// Properties of scans that CARMEN's lines do not have.
+/// Properties of scans that CARMEN lines cannot carry.
 struct UnsaidOfScans {
   double max_range_m = 0.0;
-  double beam_period_s = 0.0;  ///< the first beam being that of the stamp; 0: all are
+  double beam_period_s = 0.0;  ///< the stamp is the first beam's; 0: all beams have the stamp
 };
 
-/// The log of a simulation in the format of its name, CARMEN if it names no other. Every format has the numbers of the
-/// CARMEN log: its lines are read again for the others.
+/// The simulated log in the format of its name, by default CARMEN. Other formats are converted from the CARMEN lines,
+/// so all have the same numbers.
 class SimulatedLog {
  public:
-  /// Throws UsageError, FileError, as all members do the latter.
+  /// Throws UsageError; all members throw FileError.
   SimulatedLog(const std::string& path, const UnsaidOfScans& unsaid, AtomicFileSet& files);
-  /// Whole lines of CARMEN.
+  /// Writes whole CARMEN lines.
   void write(std::string_view lines);
   void finish();
-  /// Before a .gz around them.
+  /// Size before compression.
   [[nodiscard]] std::uint64_t bytes() const { return text_ ? text_->bytes() : records_->bytes(); }
   /// Data that the format cannot carry.
   [[nodiscard]] std::vector<LogReader::Warning> left_out() const;
@@ -42,7 +42,7 @@ class SimulatedLog {
   std::unique_ptr<LogWriter> records_;  ///< the others
   SteadyMount mount_;
   UnsaidOfScans unsaid_;
-  std::uint64_t untimed_scans_ = 0;  ///< whose beam times CARMEN could not say
+  std::uint64_t untimed_scans_ = 0;  ///< scans with beam times, which CARMEN cannot carry
 };
 
 /// A row per scan: scan,stamp_s,crank_turns,elevation_rad.
@@ -56,15 +56,15 @@ class ElevationRows {
   std::uint64_t scans_ = 0;
 };
 
-/// Binary PLY with a row for every beam whose measured range is a return, in the order of the log: double x y z (the
-/// true hit), elevation (of the scan plane when the beam was fired), time, range (true); uint scan, beam, triangle (of
-/// the scene's mesh). Rows wait in an unnamed temporary file, because the header tells their number.
+/// Binary PLY with a row for every beam whose measured range is a return, in the log's order: double x y z (the true
+/// hit), elevation (of the scan plane when the beam was fired), time, range (true); uint scan, beam, triangle (of the
+/// scene's mesh). Rows wait in an unnamed temporary file, because the header contains their number.
 class HitCloud {
  public:
-  /// Throws FileError, as all members do.
+  /// Throws FileError, like all members.
   explicit HitCloud(AtomicFile& file) : file_(file) {}
   void add(const sim::SimulatedScan& scan, double max_range_m);
-  /// Writes header and rows; the last call.
+  /// Writes header and rows; call it last.
   void finish();
 
  private:

@@ -1,5 +1,5 @@
-// Declarations of CLI11 for headers. Its own header costs a source a second, and CLI::App's constructor, which is
-// inline, three more: sources that define options include <CLI/App.hpp>, and the constructor is called in one place.
+// Forward declarations of CLI11 for headers. CLI11's header adds a second to a compilation, and the inline constructor
+// of CLI::App three more. Sources that define options include <CLI/App.hpp>; one place calls the constructor.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ class Validator;
 
 namespace gdtslam {
 
-/// A new sub-command of `parent`.
+/// Adds a sub-command to `parent`.
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& description);
 
 }  // namespace gdtslam

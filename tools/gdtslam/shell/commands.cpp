@@ -30,7 +30,7 @@
 namespace gdtslam {
 namespace {
 
-// Parts of the program that a build may be without.
+// Optional parts in this build.
 std::string parts_of_build() {
   std::vector<std::string_view> parts;
   if (GDTSLAM_HAS_VULKAN) parts.emplace_back("Vulkan");
@@ -91,7 +91,7 @@ std::vector<std::string> list_names(CLI::App* app) {
   return names;
 }
 
-// "gdtslam map": the words that lead to a sub-command.
+// Full name of a sub-command: "gdtslam map".
 std::string command_path(const CLI::App* app) {
   return app->get_parent() == nullptr ? app->get_name() : command_path(app->get_parent()) + " " + app->get_name();
 }
@@ -137,13 +137,13 @@ std::unique_ptr<CLI::App> make_app(const Program& program, CommandContext& conte
   return app;
 }
 
-// The sub-command that was named, as deep as it goes.
+// The deepest sub-command that was named.
 CLI::App* chosen_app(CLI::App* app) {
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
   return app;
 }
 
-/// Commands of older versions, and what does the same today.
+/// Commands of older versions, and their replacements.
 constexpr std::array<std::pair<std::string_view, const char*>, 3> kMovedCommands{{
     {"tiles", "is an option now: gdtslam edit RUN --tiles -o DIR"},
     {"devices", "is an option now: gdtslam doctor --devices"},
@@ -192,7 +192,7 @@ int parse_and_run(int argc, char** argv, const Program& program, const BuildStam
   const std::string what_to_do = " in '" + command + "'; " + context.when_out_of_memory;
   try {
     return context.run();
-  } catch (const OutOfMemory& error) {  // by now what the command had is free again
+  } catch (const OutOfMemory& error) {  // the command's memory is free again here
     return report(error.what() + what_to_do, error.code());
   } catch (const std::bad_alloc&) {
     return report("out of memory" + what_to_do, ExitCode::kFailed);
@@ -201,7 +201,7 @@ int parse_and_run(int argc, char** argv, const Program& program, const BuildStam
 
 std::terminate_handler usual_end = nullptr;
 
-// Without memory inside of what lets no exception through, as a library's noexcept functions: one line all the same.
+// Reports lack of memory inside a noexcept function of a library: one line, as elsewhere.
 [[noreturn]] void end_in_one_line() {
   try {
     if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -230,7 +230,7 @@ int run_command_line(int argc, char** argv, const Program& program, const BuildS
   } catch (const Error& error) {
     const bool is_of_input = error.code() == ExitCode::kBadInput || error.code() == ExitCode::kBadConfig;
     if (!is_of_input || !interrupted()) return report(error.what(), error.code());
-    return report("interrupted while it read its input", ExitCode::kInterrupted);  // which is cut for the reader
+    return report("interrupted while it read its input", ExitCode::kInterrupted);  // its input was cut short
   } catch (const std::bad_alloc&) {
     std::fputs("gdtslam: error: out of memory before the command began\n", stderr);
   } catch (const std::exception& error) {

@@ -1,6 +1,6 @@
-// The command `gdtslam`, and `gdtslam-lab`: sub-commands, help and how errors become exit codes. Each sub-command adds
-// its options to the command line; when it was chosen, the parser leaves in the context what to run. The functions only
-// register: nothing is read or written while the command line is parsed.
+// The programs `gdtslam` and `gdtslam-lab`: sub-commands, help, and exit codes of errors. Each sub-command adds its
+// options to the command line; the parser stores the chosen one in the context. The functions only register: nothing is
+// read or written during parsing.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,13 @@
 
 namespace gdtslam {
 
-/// The source that the program was built from. It is no part of any result: those depend on the version alone.
+/// The commit that the program was built from. Results do not depend on it, only on the version.
 struct BuildStamp {
-  std::string_view commit;  ///< from git, or named by the packager; "unknown" elsewhere
-  std::string_view date;    ///< date of that commit, YYYY-MM-DD; empty if it is not known
+  std::string_view commit;  ///< from git, or set by the packager; else "unknown"
+  std::string_view date;    ///< date of that commit, YYYY-MM-DD; empty if unknown
 };
 
-/// The request of the command line.
+/// The parsed command line.
 struct CommandContext {
   std::function<int()> run;  ///< the chosen sub-command; returns the exit code
   const char* when_out_of_memory = "it needs less data at a time or more memory";  ///< advice to the user
@@ -28,14 +28,14 @@ struct CommandContext {
 inline constexpr const char* kSmallerMap =
     "a smaller map.max_megacells or cloud.max_megavoxels, or a larger map.resolution needs less";
 
-/// A sub-command of this build, or of another.
+/// A sub-command, in this build or missing from it.
 struct CommandRow {
   const char* name;
-  const char* group;                                    ///< its heading in the help
+  const char* group;                                    ///< heading in the help
   void (*add)(CLI::App& app, CommandContext& context);  ///< null: not in this program
-  const char* missing_option = nullptr;                 ///< the CMake option that is off then
+  const char* missing_option = nullptr;                 ///< the CMake option that is off if it is missing
 };
-/// A program of these commands.
+/// A program with these commands.
 struct Program {
   const char* name;
   const char* description;
@@ -43,11 +43,11 @@ struct Program {
   std::span<const CommandRow> commands;  ///< in the order of the help
 };
 
-/// The stamp of the program, which alone is made anew when the commit changes (cmake/GdtslamStamp.cmake).
+/// The program's stamp. Only its source is rebuilt when the commit changes (cmake/GdtslamStamp.cmake).
 BuildStamp build_stamp();
 
-/// Parses the command line and runs which of the sub-commands it asks for. Every error is one line on standard error;
-/// returns the exit code (core/error.hpp). Never throws.
+/// Parses the command line and runs the chosen sub-command. Every error is one line on standard error; returns the exit
+/// code (core/error.hpp). Never throws.
 int run_command_line(int argc, char** argv, const Program& program, const BuildStamp& build) noexcept;
 
 }  // namespace gdtslam

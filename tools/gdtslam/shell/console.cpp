@@ -26,8 +26,8 @@
 namespace gdtslam {
 namespace {
 
-// C0, DEL, C1, the two separators, at which some programs begin a new line, and the marks of Unicode that change the
-// direction of a text: a name with one of them would reorder the line around it.
+// C0, DEL, C1, the two separators that some programs show as line ends, and Unicode's marks that change the direction
+// of text, which would reorder the line around them.
 bool is_control(char32_t code) {
   const auto is_within = [code](char32_t first, char32_t last) { return code >= first && code <= last; };
   return is_within(0, 0x1FU) || is_within(0x7FU, 0x9FU) || is_within(0x2028U, 0x202EU) || is_within(0x2066U, 0x2069U) ||
@@ -39,15 +39,15 @@ std::mutex g_lines_mutex;
 void print_line(const char* begin, std::string_view text) {
   const std::string line = fmt::format("{}{}\n", begin, printable(text));
   const std::lock_guard lock(g_lines_mutex);
-  std::fputs(line.c_str(), stderr);  // a terminal that is gone takes no more
+  std::fputs(line.c_str(), stderr);  // a lost terminal is ignored
   std::fflush(stderr);
 }
 
-std::atomic<bool> g_interrupted{false};  // other threads read it than the one that a signal interrupts
+std::atomic<bool> g_interrupted{false};  // read by other threads than the interrupted one
 int g_empty_input = -1;
 
 constexpr std::int64_t kOneAsk_ns = 100'000'000;
-std::array<std::atomic<std::int64_t>, 2> g_asked_ns{};  // by SIGINT, by another; 0: not yet
+std::array<std::atomic<std::int64_t>, 2> g_asked_ns{};  // by SIGINT, by another signal; 0: not yet
 static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
               "a signal handler sets them");
 
@@ -57,9 +57,9 @@ std::int64_t monotonic_ns() {
   return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
-// The second one of a kind has its default effect once the handler has returned, unless it is the first one once more:
-// timeout(1) sends its signal to the process and then to the group of it. A terminal that goes away sends SIGHUP twice,
-// by the kernel and by the shell, so the second must not end the process.
+// The second signal of a kind gets its default effect when the handler returns, unless it repeats the first one:
+// timeout(1) signals the process and then its group. A lost terminal causes two SIGHUPs, from the kernel and from the
+// shell, so the second must not end the process.
 void end_if_asked_twice(int signal) {
   if (signal == SIGHUP) return;
   std::atomic<std::int64_t>& asked_ns = g_asked_ns[signal == SIGINT ? 0 : 1];
@@ -72,7 +72,7 @@ void end_if_asked_twice(int signal) {
   }
 }
 
-// A read that is blocked on standard input returns, is tried again and then finds the end of the file.
+// A blocked read of standard input returns, is repeated and then finds the end of the file.
 extern "C" void on_interrupt(int signal) {
   const int saved_errno = errno;
   end_if_asked_twice(signal);
@@ -84,7 +84,7 @@ extern "C" void on_interrupt(int signal) {
 constexpr std::chrono::milliseconds kRedrawInterval{100};
 constexpr double kLongestShown_s = 100.0 * 3600.0;
 
-// A terminal that has gone away takes no more, and the work goes on without it.
+// A lost terminal is ignored, and the work continues without it.
 void write_line(const std::string& text) {
   std::fputs(text.c_str(), stderr);
   std::fflush(stderr);
@@ -113,7 +113,7 @@ bool print_result(std::string_view text) {
   const std::string shown = printable(text, "\n\t");
   errno = 0;
   if (std::fwrite(shown.data(), 1, shown.size(), stdout) != shown.size() || std::fflush(stdout) != 0) {
-    // The reader had enough, as `head` has, or its terminal is gone.
+    // The reader is gone, like `head`, or its terminal is.
     if (errno == EPIPE || (errno == EIO && interrupted())) return false;
     throw FileError("standard output", "cannot be written: " + errno_text(errno));
   }
@@ -129,8 +129,8 @@ void print_remark(std::string_view text) { print_line("gdtslam: ", text); }
 void print_error(std::string_view text) { print_line("gdtslam: error: ", text); }
 
 void hold_standard_streams() {
-  // The lowest free number is taken, so each closed one gets its place. A path alone (O_PATH) can be neither read nor
-  // written, there is always a root, and programs that are started inherit it as they would inherit a closed stream.
+  // The lowest free number is taken, so each closed stream gets its place. A path alone (O_PATH) can be neither read
+  // nor written, the root always exists, and child programs inherit it like a closed stream.
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) == -1 && errno == EBADF) ::open("/", O_PATH);  // NOLINT(android-cloexec-open)
   }
@@ -145,7 +145,7 @@ void install_interrupt_handlers() {
   ::sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
-  // A process that was started with nohup ignores it.
+  // A process started with nohup ignores it.
   struct sigaction inherited {};
   if (::sigaction(SIGHUP, nullptr, &inherited) == 0 && inherited.sa_handler != SIG_IGN) {
     ::sigaction(SIGHUP, &action, nullptr);

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A program in a build folder stands some levels below the source tree.
+// Levels between a program in a build folder and the source tree.
 constexpr int kLevels = 4;
 
 std::vector<fs::path> candidates(std::string_view kind) {
@@ -33,7 +33,7 @@ std::vector<fs::path> candidates(std::string_view kind) {
   return list;
 }
 
-// The specification of XDG has it that a path that is not absolute counts as none.
+// A path that is not absolute is ignored, by the XDG specification.
 fs::path absolute_from(const char* variable) {
   const char* const value = std::getenv(variable);
   if (value == nullptr || !fs::path(value).is_absolute()) return {};
@@ -48,7 +48,7 @@ fs::path base_folder() {
   return fs::is_directory(home, ignored) ? home / ".cache" : fs::path();
 }
 
-// An empty text where the folder is there now. Folders above it come with the same access.
+// Creates the folder, and its parents with the same access. Returns the problem; empty if there is none.
 std::string problem_of_making(const fs::path& folder) {
   if (::mkdir(folder.c_str(), S_IRWXU) == 0 || fs::is_directory(folder)) return {};
   if (errno == ENOENT && folder.has_relative_path()) {
@@ -91,7 +91,7 @@ TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
 
 TemporaryFolder::~TemporaryFolder() {
   without_throwing([this] {
-    std::error_code ignored;  // the system tidies up whatever is left
+    std::error_code ignored;  // the system removes the remainder
     fs::remove_all(path_, ignored);
   });
 }

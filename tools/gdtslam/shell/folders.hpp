@@ -1,5 +1,4 @@
-// Folders of the command: of the files that come with it (scenes, the sample log, the results that it must give), of
-// what it may lose, and for the time of a run.
+// Folders of the command: its assets (scenes, the sample log, expected results), its cache, and temporary folders.
 #pragma once
 
 #include <string>
@@ -8,19 +7,19 @@
 
 namespace gdtslam {
 
-/// The folders of that kind ("scenes", "logs", "expected") that exist, best first: beside an installed command
-/// (share/gdtslam), else in the source tree that it was built in.
+/// Existing folders of that kind ("scenes", "logs", "expected"), best first: beside an installed command
+/// (share/gdtslam), else in the source tree of the build.
 std::vector<std::string> asset_folders(std::string_view kind);
 
-/// A file in one of them. Throws FileError that names the folders.
+/// A file in one of them. Throws FileError that lists the folders.
 std::string asset_file(std::string_view kind, const std::string& name);
 
 /// The sample log that comes with the command. Throws FileError.
 std::string sample_log_file();
-/// That of a laser that nods; its linkage lies beside it. Throws likewise.
+/// The sample log of a nodding laser; its linkage is beside it. Throws FileError.
 std::string nodding_sample_log_file();
 
-/// A folder of its own below another one, else $TMPDIR or /tmp, that is gone with its object, with all that is in it.
+/// A new folder below another one, else $TMPDIR or /tmp. The destructor removes it with its content.
 class TemporaryFolder {
  public:
   /// Throws FileError.
@@ -34,15 +33,14 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// The folder for files that the command may lose: the pipelines that a driver built and the results of `gdtslam
-/// verify`.
+/// The folder for files that can be made again: the driver's pipelines and the results of `gdtslam verify`.
 struct CacheFolder {
-  std::string path;     ///< empty where there is none
+  std::string path;     ///< empty if there is none
   std::string problem;  ///< why there is none
 };
 
-/// $XDG_CACHE_HOME/gdtslam, else ~/.cache/gdtslam, made with access for this user alone where it is missing. A home
-/// that does not exist is not made: an account without one shall leave nothing behind.
+/// $XDG_CACHE_HOME/gdtslam, else ~/.cache/gdtslam; created with access for this user alone. A missing home is not
+/// created: an account without one must leave nothing behind.
 CacheFolder cache_folder();
 
 }  // namespace gdtslam

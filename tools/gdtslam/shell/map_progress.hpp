@@ -1,5 +1,5 @@
-// How far a log is mapped, on a line of the terminal: scans, then loops that are closed, then the files that are made,
-// to the last one, so that the line is never blank while there is something to wait for.
+// Progress line of mapping a log: scans, then loop closures, then each output file, so the line is never blank while
+// the user waits.
 #pragma once
 
 #include <string_view>
@@ -13,13 +13,13 @@ class MapProgress {
  public:
   explicit MapProgress(bool quiet) : scans_("scans", quiet), rest_(quiet) {}
 
-  /// Lets the request draw here. It must not outlive this object.
+  /// Draws the request's progress here. The request must not outlive this object.
   void follow(MapRequest& request);
-  /// Says that this is being made.
+  /// Shows that this file is being made.
   void making(std::string_view what);
   /// Wipes the line.
   void clear();
-  /// Since it was made: all that was waited for.
+  /// Seconds since construction, all waiting included.
   [[nodiscard]] double elapsed_s() const { return rest_.elapsed_s(); }
 
  private:

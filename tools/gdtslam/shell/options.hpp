@@ -20,14 +20,14 @@ struct QuantityBounds {
   double most = 0.0;
 };
 
-/// Adds an option that quantity_of parses and that has to lie within the bounds. If the option is not given, `value`
+/// Adds an option that quantity_of parses and that must lie within the bounds. If the option is not given, `value`
 /// keeps its default. Parsing throws UsageError.
 CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, double& value, Unit unit,
                                  const QuantityBounds& bounds, const std::string& doc);
 
-// Options that are counts. CLI11 alone takes "-1" for an unsigned number and wraps it, and reads "010" as 8.
+// Options that are counts. CLI11 alone accepts "-1" as an unsigned number and wraps it, and reads "010" as 8.
 
-/// Changes a whole number so that CLI11 reads it as decimal; leaves any other text as it is.
+/// Rewrites a whole number so that CLI11 reads it as decimal; other text stays unchanged.
 CLI::Validator without_leading_zeros();
 
 /// Accepts whole decimal numbers of at least `minimum` that fit 64 bits.

@@ -26,7 +26,7 @@ Pose2 parse_mount(const std::string& text) {
     parts[k] = text.substr(begin, comma - begin);
     begin = comma + 1;
   }
-  LogConfig stated;  // whose options say how far a mount may lie
+  LogConfig stated;  // its options hold the bounds of a mount
   stated.T_base_laser = {quantity_of("--mount", parts[0], Unit::kMetre), quantity_of("--mount", parts[1], Unit::kMetre),
                          quantity_of("--mount", parts[2], Unit::kRadian)};
   if (const std::vector<std::string> faults = violations(option_table(stated)); !faults.empty()) {
@@ -35,7 +35,7 @@ Pose2 parse_mount(const std::string& text) {
   return stated.T_base_laser;
 }
 
-/// The topic of NAME=x,y,yaw, with or without its slash; empty where there is none.
+/// The topic of NAME=x,y,yaw, with or without its slash; empty if there is none.
 std::string mount_topic(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) return {};

@@ -1,4 +1,4 @@
-// Which topics of a recording (ROS bag, MCAP) are read, and where the lasers sit, on the command line. Thread-safe.
+// Command-line options of recordings (ROS bag, MCAP): topics to read, and mounts of the lasers. Thread-safe.
 #pragma once
 
 #include <string>
@@ -19,11 +19,11 @@ struct RecordingOptions {
   }
 };
 
-/// --topic, --odom, --crank, --mount.
+/// Adds --topic, --odom, --crank, --mount.
 void add_recording_options(CLI::App& command, RecordingOptions& options);
 
-/// States them in the configuration: a mount without a topic as log.mount. Throws UsageError for what is no mount,
-/// lies beyond the bounds of log.mount_*, or is stated twice.
+/// Writes them into the configuration: a mount without a topic as log.mount. Throws UsageError for a text that is no
+/// mount, lies beyond the bounds of log.mount_*, or is given twice.
 void state_recording(const RecordingOptions& options, LogConfig& config);
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// The configuration on the command line, -c FILE and --set PATH=VALUE, and what there is to say about a mapped log.
+// The configuration on the command line (-c FILE and --set PATH=VALUE), and remarks on a mapped log.
 #pragma once
 
 #include <string>
@@ -21,14 +21,14 @@ void add_settings_options(CLI::App& command, SettingsOptions& options);
 /// The defaults, then the file, then each --set in turn. Throws ConfigError that names every fault.
 Settings load_settings(const SettingsOptions& options);
 
-/// On standard error, each kind on a line of its own.
+/// Prints to standard error, one line for each kind.
 void print_warnings(const std::vector<LogReader::Warning>& warnings);
 
-/// The warnings, and in a line how many scans are in doubt and where to look: in `folder`, empty where the run is not
-/// kept.
+/// Prints the warnings, then a line with the number of doubtful scans and where to look: in `folder`, empty if the run
+/// is not kept.
 void print_remarks(const MapOutcome& outcome, const std::string& folder = "");
 
-/// That line without its end; empty where no scan is in doubt.
+/// That line without its line end; empty if no scan is doubtful.
 std::string doubts_text(const MapOutcome& outcome, const std::string& folder);
 
 }  // namespace gdtslam

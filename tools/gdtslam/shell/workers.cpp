@@ -28,7 +28,7 @@ namespace {
 
 using WorkJson = nlohmann::json;
 
-// One line of JSON each. Nobody is left to hear of a line that cannot be written: the end of the process tells.
+// Sends one line of JSON. A failed write is not reported: the parent sees that the process ends.
 void send(int pipe, const WorkJson& message) {
   const std::string line = message.dump(-1, ' ', false, WorkJson::error_handler_t::replace) + "\n";
   std::size_t sent = 0;
@@ -39,7 +39,7 @@ void send(int pipe, const WorkJson& message) {
   }
 }
 
-// Often enough for a line on a terminal.
+// Sends progress often enough for a line on a terminal.
 Workers::Tell teller(int pipe) {
   using Clock = std::chrono::steady_clock;
   return [pipe, last = Clock::time_point{}](double share) mutable {
@@ -70,7 +70,7 @@ WorkJson run_work(const Workers::Work& work, int pipe) {
   }
 }
 
-// Memory can end inside of a function that lets no exception through; the parent reports it.
+// Memory can run out inside a noexcept function; the parent reports it.
 [[noreturn]] void end_silently_without_memory() {
   try {
     if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -82,7 +82,8 @@ WorkJson run_work(const Workers::Work& work, int pipe) {
   std::abort();
 }
 
-// Ends with the parent, whatever ends that. Nothing is thrown from here: what waits up the stack is the parent's.
+// Ends with the parent, however that ends. Nothing is thrown from here, because the callers on the stack are the
+// parent's.
 [[noreturn]] void live_as_child(const Workers::Work& work, pid_t parent, int pipe) noexcept {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   std::set_terminate(end_silently_without_memory);
@@ -99,7 +100,7 @@ Error system_error(const char* call) {
           fmt::format("a process for the work cannot be started: {}: {}", call, std::strerror(errno))};
 }
 
-constexpr int kLook_ms = 200;  // a signal may come between the look at its flag and the wait
+constexpr int kLook_ms = 200;  // a signal may come between the check of its flag and the wait
 
 }  // namespace
 
@@ -113,10 +114,10 @@ Workers::~Workers() {
 }
 
 void Workers::start(std::size_t id, const Work& work) {
-  running_.reserve(running_.size() + 1);  // once there is a process, nothing may fail before it is listed
+  running_.reserve(running_.size() + 1);  // after the process starts, nothing may fail before it is listed
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw system_error("pipe2");
-  std::fflush(nullptr);  // or the child would print it once more
+  std::fflush(nullptr);  // else the child would print it again
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) live_as_child(work, parent, ends[1]);
@@ -162,7 +163,7 @@ Workers::Event Workers::make_event(const Process& process, double cpu_s, int sta
   return event;
 }
 
-// The outcome waits for the end of the process, which tells its time.
+// The outcome is held back until the process ends, because only then its CPU time is known.
 Workers::Event Workers::ended(std::size_t place) {
   const Process process = running_[place];
   running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(place));

@@ -1,6 +1,6 @@
-// Work in processes of its own, several at a time: what measures its CPU time measures nothing else, and a graphics
-// driver that fails takes one piece of work with it and not the rest. The processes are forks, so that whoever uses
-// this must not have started threads or opened a device. One object belongs to one thread. Linux.
+// Work in several processes at a time. The CPU time of a process measures its work alone, and a failing graphics driver
+// ends one piece of work and not the rest. The processes are forks: use this before starting threads or opening a
+// device. One object belongs to one thread. Linux.
 #pragma once
 
 #include <sys/types.h>
@@ -17,23 +17,23 @@ namespace gdtslam {
 
 class Workers {
  public:
-  /// Takes the share of the work that is done.
+  /// Receives the share of the work that is done.
   using Tell = std::function<void(double)>;
-  /// The work of the process; its result comes back as Event::result, its exception as Event::failure.
+  /// Runs in the process; its result arrives as Event::result, its exception as Event::failure.
   using Work = std::function<std::string(const Tell&)>;
-  /// Why work ended without a result.
+  /// Reason why work ended without a result.
   struct Failure {
     ExitCode code = ExitCode::kFailed;
     std::string message;
-    bool by_signal = false;   ///< the process was ended from without, or broke
-    bool for_memory = false;  ///< there was not enough
+    bool by_signal = false;   ///< the process was killed or crashed
+    bool for_memory = false;  ///< memory ran out
   };
   struct Event {
     std::size_t id = 0;
     double share = 0.0;
-    double cpu_s = 0.0;                 ///< CPU time of the process, once it ended
-    std::optional<std::string> result;  ///< empty while it works, or if it failed
-    std::optional<Failure> failure{};   ///< why it ended without a result
+    double cpu_s = 0.0;                 ///< CPU time of the process, set when it has ended
+    std::optional<std::string> result;  ///< empty while it runs, or if it failed
+    std::optional<Failure> failure{};   ///< set if it ended without a result
   };
 
   explicit Workers(unsigned most) : most_(most) {}
@@ -44,9 +44,9 @@ class Workers {
 
   [[nodiscard]] bool is_full() const { return running_.size() >= most_; }
   [[nodiscard]] bool is_idle() const { return running_.empty(); }
-  /// Throws Error where there is no further process.
+  /// Throws Error if the system gives no further process.
   void start(std::size_t id, const Work& work);
-  /// The next event of any process, also that it failed; only if not idle. Throws Error(kInterrupted) when the program
+  /// Next event of any process, failures included; call it only if not idle. Throws Error(kInterrupted) if the program
   /// is interrupted.
   Event wait_for_any();
 
@@ -55,8 +55,8 @@ class Workers {
     std::size_t id = 0;
     pid_t pid = 0;
     int pipe = -1;
-    std::string text{};     ///< read, and no whole line yet
-    std::string outcome{};  ///< the line that tells it; empty: it works
+    std::string text{};     ///< read, but no whole line yet
+    std::string outcome{};  ///< line with the outcome; empty: still running
     double share = 0.0;
   };
   static void take_lines(Process& process);

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string begin_of_file(const std::string& file) {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // the limit of descriptions of maps and scenes
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // size limit of map and scene descriptions
   std::string text(kMostBytes, '\0');
   std::ifstream stream(file, std::ios::binary);
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -26,7 +26,7 @@ std::string begin_of_file(const std::string& file) {
   return text;
 }
 
-// The word at the front, without quotation marks: of "linkage: 'a.yaml', rate: 2" what comes behind the colon.
+// First word without quotation marks; after the colon if there is a key, as in "linkage: 'a.yaml', rate: 2".
 std::string first_word(std::string_view text) {
   constexpr std::string_view kAround = " \t\"'";
   text = text.substr(0, text.find_first_of(",}]#\r"));
@@ -35,7 +35,7 @@ std::string first_word(std::string_view text) {
   return std::string(text.substr(begin, text.find_last_not_of(kAround) + 1 - begin));
 }
 
-// Files that a map.yaml, gdt.yaml or scene reads besides itself. A name in a comment costs no more than that.
+// Files that a map.yaml, gdt.yaml or scene reads. A name in a comment counts too, which only forbids it as an output.
 std::vector<std::string> files_named_in(const std::string& yaml) {
   std::vector<std::string> files;
   const std::string text = begin_of_file(yaml);
@@ -49,7 +49,7 @@ std::vector<std::string> files_named_in(const std::string& yaml) {
   return files;
 }
 
-// The rule of the reader of a ROS 2 bag: the files that metadata.yaml names, else all of these endings.
+// Follows the reader of a ROS 2 bag: the files that metadata.yaml names, else all with these endings.
 bool is_bag_file_in(const std::string& folder, const std::string& file) {
   const fs::path place = place_of_file(file);
   if (place.parent_path() != place_of_file(folder)) return false;
@@ -89,7 +89,7 @@ void add_force_option(CLI::App& command, bool& force) {
 }
 
 WrittenFiles::WrittenFiles(const std::vector<std::string>& inputs, bool force) : force_(force) {
-  std::error_code ignored;  // a file whose status fails is no input: reading it fails by itself
+  std::error_code ignored;  // a file without a status is no input: reading it fails by itself
   for (const std::string& input : inputs) {
     if (input.empty() || input == "-") continue;
     const fs::file_status status = fs::status(input, ignored);

@@ -1,4 +1,4 @@
-// gdtslam simulate: a log with ground truth from a scene.
+// gdtslam simulate: makes a log with ground truth from a scene.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 #include <CLI/Validators.hpp>
@@ -104,8 +104,7 @@ std::optional<double> parse_rate(const std::string& option, const std::string& t
   return quantity_of(option, text.substr(0, text.size() - kPerSecond.size()), unit);
 }
 
-/// Prints lines when their time has come, as a robot would send them; its time goes `pace` times as fast, with 0 at
-/// once.
+/// Prints lines at their time, like a robot that runs `pace` times as fast; 0: at once.
 class PacedLines {
  public:
   explicit PacedLines(double pace) : pace_(pace) {}
@@ -117,7 +116,7 @@ class PacedLines {
         begin_ = Clock::now();
       }
       const std::chrono::duration<double> due((*stamp_s - *first_s_) / pace_);
-      constexpr std::chrono::milliseconds kSlice{100};  // after which a signal is looked for
+      constexpr std::chrono::milliseconds kSlice{100};  // time between checks for a signal
       for (auto left = due - (Clock::now() - begin_); left.count() > 0.0 && !interrupted();
            left = due - (Clock::now() - begin_)) {
         std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(left, kSlice));
@@ -125,7 +124,7 @@ class PacedLines {
     }
     has_reader_ = print_result(lines);
   }
-  /// False once whoever read the lines had enough.
+  /// False once the reader has closed.
   [[nodiscard]] bool has_reader() const { return has_reader_; }
 
  private:
@@ -141,9 +140,9 @@ void check_standard_output(const SimulateCommand& command) {
   if (!is_sent && command.pace > 0.0) throw UsageError("--pace is of lines that are sent: -o -");
 }
 
-// The log, and what may lie beside it.
+// Checks the log and the files beside it.
 void check_files(const SimulateOptions& options, bool force) {
-  (void)log_format_by_ending(options.output);  // refuses the name of a bag
+  (void)log_format_by_ending(options.output);  // throws for the name of a bag
   WrittenFiles written({find_scene(options.scene, options.scene_folders), options.trajectory.value_or(""),
                         linkage_file_of(options.linkage.value_or(""))},
                        force);

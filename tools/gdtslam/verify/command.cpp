@@ -1,4 +1,4 @@
-// gdtslam verify: the same bits on the CPU and on a device, every kernel and whole logs.
+// gdtslam verify: the same bits on the CPU and on a device, for every kernel and for whole logs.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 

@@ -11,7 +11,7 @@ std::atomic<std::uint64_t> g_decoy_calls{0};
 
 void decoy_function(const CpuLaunch& /*launch*/) { ++g_decoy_calls; }
 
-// Lives as long as the program: a backend may remember the kernels that it met.
+// Lives as long as the program, because a backend may keep references to kernels.
 const KernelInfo& make_decoy(const KernelInfo& kernel) {
   static std::map<std::string_view, KernelInfo> decoys;
   KernelInfo& decoy = decoys.try_emplace(kernel.name, kernel).first->second;
@@ -107,7 +107,7 @@ void KernelVerifier::check(const KernelCase& kernel_case) {
   if (proof_ == Proof::kNone || std::find(proven_.begin(), proven_.end(), kernel_case.kernel->name) != proven_.end()) {
     return;
   }
-  // A decoy shows something only where doing nothing gives another result.
+  // A decoy proves something only if doing nothing gives another result.
   if (!does_nothing(kernel_case.threads) && difference(kernel_case, untouched(kernel_case), expected)) {
     try_decoy(kernel_case, expected);
   }

@@ -1,9 +1,7 @@
-// Kernels on one backend against the same kernels on another, case by case, and the proof that a device did its part
-// itself. The core of `gdtslam verify`; prints nothing. One verifier belongs to one thread.
-//
-// That a device did it: no CPU kernel ran while it worked (cpu_kernel_calls()), each case was one dispatch and at least
-// one submission of its own, its memory has no host view, and each kernel was dispatched once with decoys in place of
-// its CPU functions, which write nothing and note that they were called.
+// Compares kernels on one backend with another, case by case, and proves that a device did its part itself. The core of
+// `gdtslam verify`; prints nothing. One verifier belongs to one thread. The proof: no CPU kernel ran meanwhile
+// (cpu_kernel_calls()), each case was one dispatch and at least one submission, the device's memory has no host view,
+// and each kernel was dispatched once with decoys instead of its CPU functions. Decoys write nothing and record calls.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +17,11 @@ namespace gdtslam {
 struct KernelVerdict {
   std::string kernel;
   std::uint64_t cases = 0;
-  std::uint64_t values = 0;     ///< compared: those that the kernel may write
+  std::uint64_t values = 0;     ///< values compared: all that the kernel may write
   std::uint64_t different = 0;  ///< values that differ
   std::uint64_t largest = 0;    ///< largest difference of two values, as unsigned integers
-  std::uint64_t faults = 0;     ///< other failures: a guard or an input written, a part played by the CPU
-  std::string first;            ///< the first of all that is wrong, in words; empty when nothing is
+  std::uint64_t faults = 0;     ///< other failures: a guard or an input was written, or the CPU did work
+  std::string first;            ///< the first fault in words; empty if there is none
   [[nodiscard]] std::uint64_t differences() const { return different + faults; }
 };
 
@@ -31,19 +29,19 @@ struct KernelVerdict {
 struct DeviceWork {
   std::uint64_t dispatches = 0;
   std::uint64_t submissions = 0;
-  std::uint64_t decoys = 0;  ///< kernels that gave the right result without their CPU functions
+  std::uint64_t decoys = 0;  ///< kernels that were right without their CPU functions
 };
 
-/// Whose results count, and whether the CPU must have no part in what the other one does.
+/// Whether the CPU must have no part in the verified backend's work.
 enum class Proof : std::uint8_t { kNone, kDeviceDidIt };
 
 class KernelVerifier {
  public:
   KernelVerifier(Backend& reference, Backend& device, Proof proof);
 
-  /// Runs a case on both.
+  /// Runs a case on both backends.
   void check(const KernelCase& kernel_case);
-  /// Call after the last case: a kernel that no case could prove is a fault.
+  /// Call after the last case: a kernel that no case proved is a fault.
   void finish();
 
   [[nodiscard]] const std::vector<KernelVerdict>& verdicts() const { return verdicts_; }
@@ -61,7 +59,7 @@ class KernelVerifier {
   Backend& device_;
   Proof proof_;
   std::vector<KernelVerdict> verdicts_;
-  std::vector<std::string> proven_;  ///< kernels whose decoy was tried
+  std::vector<std::string> proven_;  ///< kernels run with a decoy
   DeviceWork work_;
 };
 

@@ -35,7 +35,7 @@ constexpr const char* kNoddingExpected = "nodding-start.json";
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-// Throws nlohmann's exception where a key is missing or of another type.
+// Throws nlohmann's exception if a key is missing or of another type.
 SampleLog sample_in(const Json& root, const std::string& log) {
   SampleLog sample{log, {}};
   if (root.at("format") != kFormat) throw InputError("is of another format than this program reads");
@@ -52,7 +52,7 @@ SampleLog sample_in(const Json& root, const std::string& log) {
   return sample;
 }
 
-// Whether the device's cells are those of the host's copy.
+// Whether the device's cells equal the host's copy.
 bool copy_is_equal(Mapper& mapper) { return mapper.download_device_cells() == mapper.field().download(); }
 
 void compare(const std::string& what, const std::string& expected, const std::string& found, const std::string& whose,
@@ -74,7 +74,7 @@ SampleLog read_sample(const std::string& log, const char* results) {
   }
 }
 
-// Each scan through the mapper.
+// Passes each scan through the mapper.
 LogRun run_mapper(const LogTask& task, Backend& backend, const LogProgress& progress) {
   const Settings settings = load_settings({.file = {}, .sets = {"match.matcher=" + task.matcher}});
   ScanStream scans({task.log}, task.read, {});
@@ -98,8 +98,7 @@ LogRun run_mapper(const LogTask& task, Backend& backend, const LogProgress& prog
   return run;
 }
 
-// The whole of `map`, with its loops closed; of a nodding laser the points too, which go to a file that is removed
-// again.
+// Runs the whole of `map`, with its loops closed. The points of a nodding laser go to a temporary file.
 LogRun run_with_loops(const LogTask& task, Backend& backend, const LogProgress& progress) {
   const Settings settings = load_settings({.file = {}, .sets = {"match.matcher=" + task.matcher}});
   ScanStream scans({task.log}, task.read, {});

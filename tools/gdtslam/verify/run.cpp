@@ -20,9 +20,9 @@ namespace gdtslam {
 namespace {
 
 constexpr std::string_view kLogsFilter = "logs";
-constexpr unsigned kOtherThreads = 3;  // slices of a launch that end where no slice of one thread does
+constexpr unsigned kOtherThreads = 3;  // its slices of a launch end elsewhere than those of one thread
 
-/// A backend to be verified, opened when its turn comes.
+/// A backend to verify, opened when its turn comes.
 struct Target {
   std::string name;
   Proof proof = Proof::kNone;
@@ -30,7 +30,7 @@ struct Target {
   std::function<std::unique_ptr<Backend>()> open;
 };
 
-/// With an instruction set or threads that are named, those alone. Throws UsageError and UnavailableError for a name.
+/// The CPU's targets; only the named instruction set or threads if given. Throws UsageError and UnavailableError.
 std::vector<Target> cpu_targets(const DeviceOptions& options) {
   const CpuOptions named = cpu_options(options);
   const std::unique_ptr<Backend> tried = make_cpu_backend(named);
@@ -72,13 +72,13 @@ std::vector<LogTask> chosen_logs(const VerifyOptions& options) {
   state_recording(options.recording, config);
   const ReadOptions read = read_options_of(config, false);
   for (const std::string& log : options.logs) {
-    open_log(log, read);  // one that cannot be read is told before the kernels, which take a while
+    open_log(log, read);  // report an unreadable log before the kernels, which take a while
     for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, false, std::nullopt, read});
   }
   return tasks;
 }
 
-/// Walks the cases and logs of the command line over the targets.
+/// Runs the cases and logs of the command line on the targets.
 class Verification {
  public:
   explicit Verification(const VerifyOptions& options)

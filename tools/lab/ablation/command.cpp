@@ -1,4 +1,4 @@
-// gdtslam-lab ablation: what each choice of the method is worth on a log with verified relations, as a Markdown table.
+// gdtslam-lab ablation: the effect of each choice of the method on a log with verified relations, as a Markdown table.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -98,7 +98,7 @@ std::string format_row(const AblationVariant& variant, const MapOutcome& outcome
                      error_text(report.loops.translation_m, report.loops.rotation_deg), rate, s.keyframes, s.doubtful);
 }
 
-/// A row of the table; `unmatched`: relations whose stamps the log does not have.
+/// A row of the table; `unmatched`: relations whose stamps are not in the log.
 std::string variant_row(const AblationVariant& variant, const AblationOptions& options,
                         const std::vector<Relation>& relations, Backend& backend, std::size_t& unmatched) {
   Settings settings = make_settings(options, variant);
@@ -125,7 +125,8 @@ int ablation(const AblationOptions& options) {
   WrittenFiles({options.log, options.relations, options.settings.file}, options.force).add("--output", options.output);
   const std::vector<Relation> relations = read_relations(options.relations);
   const std::vector<AblationVariant> variants = choose_variants(options);
-  for (const AblationVariant& variant : variants) make_settings(options, variant);  // no misspelt option after an hour
+  for (const AblationVariant& variant : variants)
+    make_settings(options, variant);  // reports misspelt options before the long run
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   std::string table = fmt::format(
       "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans per core-second inside the "
@@ -135,7 +136,7 @@ int ablation(const AblationOptions& options) {
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
       backend->device().threads, backend->device().threads == 1 ? "" : "s");
   if (!options.quiet) print_result(table);
-  std::size_t unmatched = 0;  // by the first variant, for the closing line
+  std::size_t unmatched = 0;  // in the first variant, for the closing line
   for (const AblationVariant& variant : variants) {
     std::string row;
     std::size_t unused = 0;
@@ -143,8 +144,8 @@ int ablation(const AblationOptions& options) {
     try {
       row = variant_row(variant, options, relations, *backend, is_first ? unmatched : unused);
     } catch (const InputError& error) {
-      // The first variant shows whether the log and the relations can be used at all. Where a later one cannot map what
-      // the first one could, that is a result: its row says why.
+      // The first variant shows whether the log and the relations are usable. If a later variant cannot map the log,
+      // that is a result, and its row gives the reason.
       if (is_first) throw;
       row = fmt::format("| {} | {} | failed: {} | | | | | |\n", variant.name, sets_text(variant.sets), error.what());
     }

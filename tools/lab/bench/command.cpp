@@ -29,7 +29,7 @@ struct BenchOptions {
   SettingsOptions settings;
 };
 
-/// Rows that a device has, too.
+/// Adds the rows that devices have, too.
 void add_rows(const BenchTarget& target) {
   add_limits(target);
   add_kernels(target);
@@ -61,9 +61,9 @@ void check_log_options(const BenchOptions& options) {
   throw UsageError("bench: --config, --set, --no-loops, --topic, --odom, --crank and --mount are for a --log");
 }
 
-/// Hands google-benchmark its own options. Throws UsageError for others.
+/// Passes google-benchmark its own options. Throws UsageError for others.
 void give_options(const std::string& filter, const std::vector<std::string>& extras) {
-  static std::string program = "gdtslam-lab bench";  // which google-benchmark keeps
+  static std::string program = "gdtslam-lab bench";  // google-benchmark keeps a pointer to it
   std::vector<std::string> words;
   if (!filter.empty()) words.push_back("--benchmark_filter=" + filter);
   words.insert(words.end(), extras.begin(), extras.end());
@@ -90,7 +90,7 @@ int bench(const BenchOptions& options, const std::vector<std::string>& extras) {
     add_rows(target);
     if (!options.log.file.empty()) {
       BenchLog log = bench_log(options);
-      log.mapper.match.matcher = MatcherKind::kExhaustive;  // which alone works on a device
+      log.mapper.match.matcher = MatcherKind::kExhaustive;  // the only matcher that runs on a device
       add_work(target, log);
     }
   }

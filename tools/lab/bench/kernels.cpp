@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-/// Bytes of a case that are read plus those that are written.
+/// Bytes that a case reads and writes.
 std::size_t traffic_bytes(const KernelCase& kernel_case) {
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < kernel_case.buffers.size(); ++i) {
@@ -17,7 +17,7 @@ std::size_t traffic_bytes(const KernelCase& kernel_case) {
   return bytes;
 }
 
-/// Whether the work covers a good part of the largest buffer; else its bytes say nothing of the work.
+/// Whether the work covers most of the largest buffer; else its bytes do not measure the work.
 bool touches_most(const KernelCase& kernel_case, double work) {
   double values = 0.0;
   for (const CaseBuffer& buffer : kernel_case.buffers) {

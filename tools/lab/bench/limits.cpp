@@ -21,20 +21,20 @@ namespace {
 struct TableSize {
   std::size_t bytes;
   std::string_view name;
-  bool is_table;  // else it is only copied, as kernels of about that size are compared with it
+  bool is_table;  // else only copied, as a limit for kernels of this size
 };
-// The first table fits beside its indices into 32 KiB, the last into no cache of today.
+// The first table and its indices fit into 32 KiB, the last one into no cache of today.
 constexpr std::array<TableSize, 6> kTableSizes{{{std::size_t{1} << 14U, "16 KiB", true},
                                                 {std::size_t{1} << 18U, "256 KiB", true},
                                                 {std::size_t{1} << 20U, "1 MiB", false},
                                                 {std::size_t{1} << 22U, "4 MiB", false},
                                                 {std::size_t{1} << 24U, "16 MiB", false},
                                                 {std::size_t{1} << 27U, "128 MiB", true}}};
-// Enough places that those of the large table are in no cache either.
+// Enough positions that those of the large table are in no cache either.
 constexpr std::size_t kFewestPlaces = std::size_t{1} << 11U;
 constexpr std::size_t kMostPlaces = std::size_t{1} << 21U;
 
-/// The loads do not wait for each other: four sums.
+/// Sums in four accumulators, so that the loads do not wait for each other.
 std::uint32_t single_loads(std::span<const std::uint32_t> table, std::span<const std::uint32_t> places) {
   std::array<std::uint32_t, 4> sums{};
   for (std::size_t i = 0; i < places.size(); i += sums.size()) {

@@ -1,5 +1,5 @@
-// Times of a mapper for each scan of a log that comes as it was recorded, only faster; with loops, while these are
-// looked for beside it. The poses depend on the log and the configuration alone, the times on the machine.
+// Times of a mapper for each scan of a log that is replayed at the pace of its stamps, only faster; with loops, these
+// are searched in parallel. The poses depend on the log and the configuration alone, the times on the machine.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -20,17 +20,17 @@ namespace {
 
 using LiveClock = std::chrono::steady_clock;
 
-constexpr double kLongestPause_s = 10.0;  // between two scans, by their stamps: robots stand at night
+constexpr double kLongestPause_s = 10.0;  // between two scans, by their stamps, because robots pause at night
 constexpr auto kNap = std::chrono::milliseconds(50);
 constexpr double kLong_s = 0.05;  // limit for a robot that steers by the pose
 constexpr std::size_t kParts = 10;
 
-/// One scan, from its coming to its pose.
+/// One scan, from its arrival to its pose.
 struct LiveScan {
   double all_s = 0.0;
-  double cpu_s = 0.0;  ///< the thread that maps; other work on the machine does not lengthen it
+  double cpu_s = 0.0;  ///< CPU time of the mapping thread; other work on the machine does not lengthen it
   bool is_keyframe = false;
-  double merge_s = 0.0;  ///< its local field and the merge of that
+  double merge_s = 0.0;  ///< its local field, and merging it
 };
 
 double cpu_of_this_thread_s() {
@@ -39,7 +39,7 @@ double cpu_of_this_thread_s() {
   return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// A mapper with loops or without, and the times of its scans.
+/// A mapper with or without loops, and the times of its scans.
 class LiveRun {
  public:
   LiveRun(const BenchLog& log, Backend& backend) : log_(log), mapper_(log.mapper, backend, with_loops(log)) {}
@@ -82,7 +82,7 @@ class LiveRun {
     return options;
   }
 
-  // Until the scan comes; one that the mapper was not ready for has come already.
+  // Waits until the scan is due; a scan that arrived while the mapper was busy is already late.
   void wait_for(double stamp_s) {
     if (last_stamp_s_ && log_.speed > 0.0) {
       const double pause_s = std::clamp(stamp_s - *last_stamp_s_, 0.0, kLongestPause_s) / log_.speed;
@@ -120,7 +120,7 @@ class LiveRun {
     }
   }
 
-  // A piece of the log, so that what grows with the map is seen.
+  // A part of the log, to show times that grow with the map.
   void add_part(benchmark::State& state, std::size_t part) const {
     const std::size_t first = part * scans_.size() / kParts;
     const std::size_t end = (part + 1) * scans_.size() / kParts;
@@ -144,9 +144,9 @@ class LiveRun {
   const BenchLog& log_;
   Mapper mapper_;
   std::vector<LiveScan> scans_;
-  std::size_t late_ = 0;  ///< scans that came before the one before them was done
+  std::size_t late_ = 0;  ///< scans that arrived before the previous one was done
   LiveClock::time_point due_ = LiveClock::now();
-  LiveClock::time_point done_ = due_;  // the scan before
+  LiveClock::time_point done_ = due_;  // end of the previous scan
   std::optional<double> last_stamp_s_;
 };
 

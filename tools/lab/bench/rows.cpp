@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-/// Dispatches in one submission of a device: enough to hide what a submission costs, few enough for its memory of them.
+/// Dispatches in one submission of a device: enough to hide its cost, few enough for the memory that they keep.
 constexpr int kMostInLine = 64;
 
 std::exception_ptr first_error;
@@ -39,7 +39,7 @@ benchmark::internal::Benchmark* add_row(const BenchTarget& target, std::string_v
       full.c_str(), [measure = std::move(measure)](benchmark::State& state) { measure_guarded(state, measure); });
   row->Unit(benchmark::kMicrosecond)->MeasureProcessCPUTime();
   const std::string kind = target.backend.device().kind;
-  if (kind != "cpu" && kind != "lavapipe") row->UseRealTime();  // CPU time counts if a CPU does the work
+  if (kind != "cpu" && kind != "lavapipe") row->UseRealTime();  // CPU time is measured if a CPU does the work
   return row;
 }
 

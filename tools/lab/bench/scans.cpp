@@ -1,6 +1,6 @@
-// A scan as the matcher `exhaustive` treats it, in a room that is found again: from the points to the pose, and into
-// the map. And scans of a nodding laser on their way to points of a cloud, as `map` makes them: beams are queued, the
-// kernel sweep_points turns them into points, and these go to a sink; a robot that drives an arc while the crank turns.
+// A scan as the matcher `exhaustive` treats it, in a room that is mapped already: from the points to the pose, and into
+// the map. And scans of a nodding laser as `map` turns them into cloud points: beams are queued, the kernel
+// sweep_points turns them into points, and these go to a sink, while the robot drives an arc and the crank turns.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -25,7 +25,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kBeams = 361;
-constexpr std::uint32_t kWindowCells = 512;  // side of what a keyframe changes
+constexpr std::uint32_t kWindowCells = 512;  // side of the window that a keyframe changes
 constexpr std::uint64_t kMostCells = 1U << 24U;
 
 /// 45 x 45 x 49 candidates, one cell and 0.3 degrees apart, each with all points.
@@ -40,25 +40,25 @@ MapperConfig wide_search() {
 }
 constexpr double kCandidates = 45.0 * 45.0 * 49.0;
 
-/// A million and twenty thousand candidates.
+/// About 1.02 million candidates.
 constexpr std::uint32_t kManyAlong = 101;
 constexpr std::uint32_t kManyTurns = 100;
 constexpr std::uint32_t kManySamples = kManyAlong * kManyAlong * kManyTurns;
 
-/// Points that a laser in the middle of a room sees: four walls and a quarter of a step between them, all around.
+/// Points that a laser in the middle of a room measures all around: four walls with niches.
 std::vector<Point2> points_of_room(double half_side_m) {
   std::vector<Point2> points;
   for (std::uint32_t k = 0; k < kBeams; ++k) {
     const double bearing_rad = kTwoPi * k / kBeams;
     const auto [sine, cosine] = sin_cos(bearing_rad);
     const double reach_m = half_side_m / std::max(std::fabs(sine), std::fabs(cosine));
-    const double niche = k % 97 < 12 ? 0.93 : 1.0;  // so that no quarter looks like another
+    const double niche = k % 97 < 12 ? 0.93 : 1.0;  // makes the four quarters differ
     points.emplace_back(niche * reach_m * cosine, niche * reach_m * sine);
   }
   return points;
 }
 
-/// The map of one scan, and a matcher that finds the scan in it again.
+/// The map of one scan, and a matcher that finds the scan in it.
 class ScanBench {
  public:
   explicit ScanBench(Backend& backend)
@@ -84,7 +84,7 @@ class ScanBench {
     local_.prepare(keyframe_, map_);
     local_.merge_into(map_, merge_step());
   }
-  /// Costs of a million candidates at every point, as the matcher asks for them.
+  /// Costs of a million candidates at every point, in the form that the matcher requests them.
   void prepare_costs() {
     candidates_ = backend_.allocate(kManySamples * sizeof(PoseCandidate));
     costs_ = backend_.allocate(kManySamples * sizeof(std::uint32_t));
@@ -104,7 +104,7 @@ class ScanBench {
   [[nodiscard]] double many_look_ups() const {
     return static_cast<double>(kManySamples) * static_cast<double>(points_.size());
   }
-  /// A time counts only for a search that found the place.
+  /// A time is valid only if the search found the pose.
   void require_found() const {
     const Pose2& found = result_.T_map_base;
     if (result_.accepted && found.translation().norm() < 0.01 && std::fabs(found.theta_rad) < 0.005) return;
@@ -176,7 +176,7 @@ void add_scans(const BenchTarget& target) {
   const auto bench = shared_by_rows([&backend] { return std::make_shared<ScanBench>(backend); });
   const std::string size = "361 points, 1e5 candidates";
   add_row(target, "scan", "scan", "match: " + size, [bench, &backend](benchmark::State& state) {
-    // A match waits for its own result.
+    // A match waits for its result.
     time_work(state, {.step = [&] { bench().match(); }, .device_ns = device_clock(backend)}, kCandidates, "candidate");
     bench().require_found();
   });
@@ -189,7 +189,7 @@ void add_scans(const BenchTarget& target) {
       bench().match();
       bench().merge();
     });
-    both.device_ns = nullptr;  // two submissions: the clock tells of the last
+    both.device_ns = nullptr;  // two submissions, but the clock reports only the last
     time_work(state, both, kCandidates, "candidate");
     bench().require_found();
   });

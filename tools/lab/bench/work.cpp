@@ -1,5 +1,5 @@
-// Rows of the group `work`: the device work per scan, for keyframes and for the other scans. The counts depend on the
-// log, the configuration and the device's shaders, the times on the machine.
+// Rows of the group `work`: device work per scan, for keyframes and for the other scans. The counts depend on the log,
+// the configuration and the device's shaders, the times on the machine.
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -72,7 +72,7 @@ void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend,
   const QueueWork work = backend.work() - before;
   scans.work += work;
   scans.scan_s.push_back(taken.count());
-  // If this scan did not wait for the device, the device's time is that of an earlier scan.
+  // If this scan did not wait for the device, the device's time belongs to an earlier scan.
   if (const double device_ns = backend.last_submission_ns(); work.waits > 0 && device_ns > 0.0) {
     scans.device_s.push_back(1.0e-9 * device_ns);
   }

@@ -1,4 +1,4 @@
-// gdtslam-lab compare: the methods that minimise the cost of a scan, on the same scans and starts, against proven
+// gdtslam-lab compare: compares the methods that minimise a scan's cost on the same scans and starts with proven
 // solutions.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
@@ -30,7 +30,7 @@ namespace {
 constexpr const char* kDefaultLevels = "2cm/0.5deg,5cm/1deg,10cm/2deg,20cm/5deg,40cm/10deg,80cm/20deg";
 
 struct CompareOptions {
-  CompareJob job;  ///< the logs, their range, scans and seed; the rest is told by the texts below
+  CompareJob job;  ///< the logs, their range, scans and seed; the texts below hold the rest
   std::string methods;
   std::string levels = kDefaultLevels;
   std::uint64_t starts = 1;

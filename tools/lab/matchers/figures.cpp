@@ -17,7 +17,7 @@ std::vector<CompareTrial> select_trials(const CompareOutcome& outcome, std::uint
   return trials;
 }
 
-/// Values of a member or a function of the trials.
+/// Collects a member or a function of the trials.
 template <class Value>
 std::vector<double> collect_values(const std::vector<CompareTrial>& trials, const Value& value) {
   std::vector<double> values;

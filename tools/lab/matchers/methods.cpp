@@ -15,7 +15,7 @@
 namespace gdtslam {
 namespace {
 
-// A proof of the matcher's own, then a simplex: what a user of it would ask for.
+// A proof by the matcher itself, then a simplex: typical use of it.
 constexpr double kCertifiedGap_m = 0.005;
 
 float to_cells(double length_m, const CompareProblem& problem) {
@@ -29,7 +29,7 @@ SimplexOptions simplex_options(const CompareProblem& problem, const StartReach& 
   return options;
 }
 
-// A refined end is that of the robust cost, not of (4): it lies at the minimum for squares of small distances.
+// A refined end minimises the robust cost, not (4): the sum of squares of small distances.
 LocalMinimum by_walk(const MatcherInfo& matcher, const CompareProblem& problem, const CellPose& start,
                      const StartReach& reach) {
   const LocalMinimum near =
@@ -40,7 +40,7 @@ LocalMinimum by_walk(const MatcherInfo& matcher, const CompareProblem& problem, 
   return end;
 }
 
-// The samples of `map --matcher exhaustive`, each of the best valleys to its end.
+// The samples of `map --matcher exhaustive`; each of the best valleys is descended to its end.
 LocalMinimum by_window(const CompareProblem& problem, const CellPose& start, const StartReach& reach) {
   const SearchConfig& search = problem.config.search;
   const SearchWindow window{.centre = start,
@@ -66,9 +66,9 @@ LocalMinimum by_proof(const CompareProblem& problem, const CellPose& start, cons
   return end;
 }
 
-// Half of the gap is the search's, so that a pose that a method finds beside the best one can be proven too.
+// Half of the gap is for the search, so that a method's pose beside the best one can be proven too.
 constexpr double kSearchShare = 0.5;
-// Around the prediction: how much further than the reach the solution may lie without a second search.
+// Slack around the prediction's reach: farther solutions need a second search.
 constexpr double kSlack_m = 0.2;
 constexpr double kSlack_rad = 0.1;
 constexpr int kMostSearches = 4;

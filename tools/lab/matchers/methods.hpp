@@ -19,7 +19,7 @@ namespace gdtslam {
 /// option.
 std::vector<MatcherKind> parse_methods(const std::string& option, const std::string& names);
 
-/// Largest distance of the least cost from the start, along x and y each, and in heading.
+/// Largest distance of the optimum from the start, along x and y each, and in heading.
 struct StartReach {
   double half_m = 0.0;
   double half_rad = 0.0;
@@ -27,7 +27,7 @@ struct StartReach {
 /// The reach that the matchers of `map` assume around a prediction: four edges of their first simplex.
 StartReach reach_of_prediction(const MapperConfig& config);
 
-/// The problem of one scan, the same for every method. The objects that it refers to must outlive it.
+/// The problem of one scan, the same for every method. The referenced objects must outlive it.
 struct CompareProblem {
   Objective& objective;  ///< points, cap and anchor set; no prior
   const CertifiedMap& map;
@@ -37,11 +37,11 @@ struct CompareProblem {
 LocalMinimum minimise_by(MatcherKind method, const CompareProblem& problem, const CellPose& start,
                          const StartReach& reach);
 
-/// Restarts the simplex until none gains, to a fraction of a micrometre of the mean cost.
+/// Restarts the simplex until it no longer improves, to a fraction of a micrometre of the mean cost.
 LocalMinimum polished(Objective& objective, const CellPose& start);
 
-// The pose that errors are measured from: the least cost (4) of a scan in a window of poses, found by branch and bound
-// and polished, with the lower bound that proves it. Frame: map. Some milliseconds to tenths of a second a scan.
+// The reference pose of all errors: the least cost (4) of a scan in a window of poses, found by branch and bound and
+// polished, with the proven lower bound. Frame: map. Some milliseconds to tenths of a second per scan.
 
 struct GlobalLimits {
   double gap_m =

@@ -1,6 +1,6 @@
-// A comparison as it is printed: text in the units of the paper's tables (cm, degrees), JSON and CSV in metres and
-// degrees, and as a picture. Times stand apart from what is the same on every machine: in JSON under "times", in CSV in
-// the last column. Thread-safe.
+// Output of a comparison: text in the units of the paper's tables (cm, degrees), JSON and CSV in metres and degrees,
+// and a picture. Times are kept apart from the reproducible values: in JSON under "times", in CSV in the last column.
+// Thread-safe.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ std::string as_csv(const CompareJob& job, const CompareOutcome& outcome);
 /// "20 cm, 5°"; "prediction" for level 0.
 std::string level_text(const CompareJob& job, std::uint32_t level);
 
-/// Success against the start's distance from the solution, with its 95 % intervals, and the errors of the starts at the
+/// Success rate over the start's distance from the solution, with 95 % intervals, and the errors of starts at the
 /// odometry's prediction as boxes and as distribution. Pixels.
 Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, const std::string& log);
 

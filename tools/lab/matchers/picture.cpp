@@ -12,7 +12,7 @@
 namespace gdtslam {
 namespace {
 
-/// One for each method, the same in all figures.
+/// Colour of a method, the same in all figures.
 Colour colour_of_method(MatcherKind method) {
   static constexpr std::array kColours{ink::kCoupler, ink::kCrank,  ink::kRocker, ink::kCurve,
                                        ink::kLaser,   ink::kGround, ink::kQuiet,  ink::kText};
@@ -24,7 +24,7 @@ constexpr double kMargin = 24.0;
 constexpr double kGap = 16.0;
 constexpr double kHeading = 64.0;
 constexpr double kBasinHeight = 440.0;
-constexpr double kLeastError_cm = 1.0e-3;  // least error on the logarithmic axes; smaller ones are drawn there
+constexpr double kLeastError_cm = 1.0e-3;  // limit of the logarithmic axes; smaller errors are drawn there
 constexpr double kLeastPower = -3.0;
 
 constexpr double kLn10 = 2.302585092994046;
@@ -38,7 +38,7 @@ std::string_view method_dashes(MatcherKind method) {
   return matcher.is_refined ? "10 3 2 3" : "";
 }
 
-/// Not a number where nothing counted, which is drawn nowhere.
+/// Not a number without trials; such values are not drawn.
 double percent(const Share& share, double value) {
   return share.of > 0 ? 100.0 * value : std::numeric_limits<double>::quiet_NaN();
 }
@@ -80,7 +80,7 @@ void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, 
   plot.legend();
 }
 
-/// Whole powers of ten as places of an axis whose values are logarithms.
+/// Axis of logarithms with ticks at whole powers of ten.
 Axis logarithmic(const std::string& title, double most_cm) {
   Axis axis{.title = title, .from = kLeastPower};
   axis.to = std::max(std::ceil(log10_of(std::max(most_cm, 10.0 * kLeastError_cm))), axis.from + 1.0);

@@ -17,7 +17,7 @@
 namespace gdtslam {
 namespace {
 
-// A method is told of a reach a little longer than the start's true error, as a careful user would.
+// A method's reach is a little longer than the start's true error, as a careful user would choose.
 constexpr double kReachFactor = 1.25;
 
 struct Start {
@@ -27,7 +27,7 @@ struct Start {
   std::uint32_t number = 0;
 };
 
-/// A trial before the global solution is settled.
+/// A trial before the global solution is final.
 struct End {
   Start start;
   std::uint32_t method = 0;
@@ -80,7 +80,7 @@ class Comparison {
     for (std::optional<ScanRecord> record = scans.next(); record; record = scans.next()) {
       if (stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
       const Pose2 predicted = motion_.predict(record->T_odom_base).T_map_base;
-      // The first scan is the map; it cannot be matched.
+      // The first scan makes the map, so it cannot be matched.
       const bool is_chosen = outcome_.scans_read % outcome_.every == outcome_.every / 2 && outcome_.scans_read > 0;
       const std::size_t trials = outcome_.trials.size();
       const bool is_measured = is_chosen && measure(*record, predicted);
@@ -99,8 +99,8 @@ class Comparison {
   }
 
  private:
-  // Equation (8) with the widest threshold there is: points that lie, where the odometry says, over cells that know
-  // nothing cannot tell where the robot is. The same points for all methods and starts.
+  // Equation (8) with the widest threshold: points that are predicted over unknown cells do not constrain the pose. The
+  // same points for all methods and starts.
   bool choose_points(const ScanRecord& record, const Pose2& predicted, Objective& objective) {
     const std::vector<PointCells> all =
         in_cells(to_points(record.scan, job_.mapper.scan), job_.mapper.map.resolution_m);
@@ -122,7 +122,7 @@ class Comparison {
   }
 
   bool measure(const ScanRecord& record, const Pose2& predicted) {
-    const GlobalField& mapped = mapper_.field();  // the field of this scan: with local.stretch later ones have another
+    const GlobalField& mapped = mapper_.field();  // the field of this scan; with local.stretch it changes later
     Objective objective(mapped, Interpolation::kBilinear, CostForm::kDistance);
     if (!choose_points(record, predicted, objective)) return false;
     const FieldCopy field(mapped);
@@ -150,7 +150,8 @@ class Comparison {
   std::vector<End> run_methods(const CompareProblem& problem, const std::vector<Start>& starts) {
     std::vector<End> ends;
     for (const Start& start : starts) {
-      // Once unmeasured: the fastest methods would pay for fetching the field, the points, their code and the clock's.
+      // A first run is not measured, else the fastest method would pay for loading field, points, code and clock into
+      // caches.
       run_method(MatcherKind::kSimplexNewton, problem, start);
       for (std::uint32_t method = 0; method < job_.methods.size(); ++method) {
         End end = run_method(job_.methods[method], problem, start);
@@ -161,8 +162,8 @@ class Comparison {
     return ends;
   }
 
-  // A method may have ended below the solution, by less than the gap where that is proven: nothing in the window is
-  // better than the best pose known.
+  // A method may have ended below the solution, by less than the gap if that is proven. The best known pose is then the
+  // solution.
   static void settle(Objective& objective, GlobalSolution& global, const std::vector<End>& ends) {
     const auto best = std::min_element(ends.begin(), ends.end(),
                                        [](const End& a, const End& b) { return a.found.cost < b.found.cost; });
@@ -226,7 +227,7 @@ class Comparison {
   CompareOutcome outcome_;
 };
 
-// Scans of the run, so that those that are measured lie evenly over it.
+// Counts the scans of the run, so that the measured ones are spread evenly.
 std::uint64_t count_scans(const CompareJob& job, const std::function<bool()>& stop) {
   ScanStream scans(job.logs, job.read, job.range);
   if (scans.nod_kind() != NodKind::kNone) {

@@ -1,8 +1,7 @@
-// The protocol of the paper's tables 1 and 2 on a log: the log is mapped, and at every so many scans, before the scan
-// is matched, all methods minimise the same cost on the map as it is then, from the same starts: where the odometry
-// says, and at growing distances from the global solution. Frame: map. One run belongs to one thread; the trials depend
-// on the log, the configuration and the seed alone, the times on the machine. sum_figures() sums up the trials for each
-// method and each kind of start.
+// The protocol of the paper's tables 1 and 2 on a log. Before every n-th scan is matched, all methods minimise the same
+// cost on the current map from the same starts: the odometry's prediction, and growing distances from the global
+// solution. Frame: map. One run belongs to one thread. Trials depend on the log, the configuration and the seed alone,
+// times on the machine. sum_figures() sums up the trials for each method and each kind of start.
 #pragma once
 
 #include <array>
@@ -21,22 +20,22 @@
 
 namespace gdtslam {
 
-// How well a scan can tell where the robot stands, from the scan alone: along a bare corridor it cannot. Frame: robot,
-// cells; the result does not depend on the frame.
+// How well a scan determines the robot's pose by itself; along a bare corridor it does not. Frame: robot, cells; the
+// result does not depend on the frame.
 
 /// The normal equations of sliding and turning a scan along its own lines (point to line [Censi2008]): xx, xy, xt, yy,
 /// yt, tt, in cells and radians. Each point's line is the main axis of its neighbours within 25 cm among the eight
 /// beams on either side; a point with fewer than two such neighbours does not count. Points in the order of the beams.
 std::array<double, 6> line_information(std::span<const PointCells> points, double resolution_m);
 
-/// The ratio of the smaller to the larger eigenvalue of such normal equations over x and y with the heading left free
-/// (Schur complement). 0 in a corridor without an end, 1 where all directions are alike.
+/// Ratio of the smaller to the larger eigenvalue of these normal equations over x and y with a free heading (Schur
+/// complement). 0 in an endless corridor, 1 if all directions are alike.
 double constraint_strength(const std::array<double, 6>& information);
 
-/// Below this a scan counts as weak along a corridor: less than one point in twenty lies across.
+/// Limit below which a scan is weak along a corridor: less than one point in twenty lies across.
 inline constexpr double kWeakHold = 0.05;
 
-/// How far a start is from the global solution: in a random direction, to a random side.
+/// Distance of a start from the global solution, in a random direction and to a random side.
 struct StartLevel {
   double distance_m = 0.0;
   double angle_rad = 0.0;
@@ -50,26 +49,26 @@ struct CompareJob {
   std::vector<MatcherKind> methods;
   std::vector<StartLevel> levels;
   std::uint32_t starts = 1;   ///< for each level, at each scan
-  std::uint64_t scans = 200;  ///< measured, evenly over the log
+  std::uint64_t scans = 200;  ///< scans to measure, evenly over the log
   std::uint64_t seed = 1;
   GlobalLimits global;
 };
 
-/// A scan that was measured.
+/// A measured scan.
 struct CompareScan {
   std::uint64_t index = 0;  ///< among the scans of the run, from 0
   double stamp_s = 0.0;
-  std::uint32_t points = 0;   ///< that count
+  std::uint32_t points = 0;   ///< number of valid points
   Pose2 T_map_base;           ///< the global solution
-  double mean_cost_m = 0.0;   ///< there
-  double mean_bound_m = 0.0;  ///< no pose of the window costs less
+  double mean_cost_m = 0.0;   ///< at the global solution
+  double mean_bound_m = 0.0;  ///< lower bound over the window
   bool is_certified = false;
   double hold = 0.0;     ///< constraint_strength()
-  double seconds = 0.0;  ///< that the global solution took
+  double seconds = 0.0;  ///< time of the global solution
   [[nodiscard]] bool is_weak() const { return hold < kWeakHold; }
 };
 
-/// One minimisation. Errors are against the global solution, in the map's frame.
+/// One minimisation. Errors are relative to the global solution, in the map's frame.
 struct CompareTrial {
   std::uint32_t scan = 0;    ///< in CompareOutcome::scans
   std::uint32_t method = 0;  ///< in CompareJob::methods
@@ -77,14 +76,14 @@ struct CompareTrial {
   std::uint32_t start = 0;   ///< number within that level
   double start_m = 0.0;      ///< the start's own error
   double start_rad = 0.0;
-  double x_m = 0.0;  ///< errors of the end, absolute
+  double x_m = 0.0;  ///< absolute errors of the end
   double y_m = 0.0;
   double theta_rad = 0.0;
   double distance_m = 0.0;
   double excess_m = 0.0;    ///< mean cost over the lower bound
   bool is_optimal = false;  ///< by certificate: the excess is within the gap
   std::uint32_t evaluations = 0;
-  double seconds = 0.0;  ///< CPU time of all threads, which other work on the machine hardly disturbs
+  double seconds = 0.0;  ///< CPU time of all threads, hardly disturbed by other work
   [[nodiscard]] bool is_success() const;
 };
 inline constexpr double kSuccess_m = 0.02;
@@ -94,14 +93,14 @@ struct CompareOutcome {
   std::vector<CompareScan> scans;
   std::vector<CompareTrial> trials;
   std::uint64_t scans_read = 0;
-  std::uint64_t every = 1;    ///< one scan in so many was measured
-  std::uint64_t refused = 0;  ///< measured, but then not matched by the mapper: left out
-  std::uint64_t too_few = 0;  ///< had too few points near the map to be measured
+  std::uint64_t every = 1;    ///< one scan in this number was measured
+  std::uint64_t refused = 0;  ///< measured, but not accepted by the mapper: left out
+  std::uint64_t too_few = 0;  ///< too few points near the map to be measured
 };
 
-/// Called after each scan with the number of scans and the share done (negative when unknown).
+/// Called after each scan with the number of scans and the share done (negative if unknown).
 using CompareProgress = std::function<void(std::uint64_t, double)>;
-/// Throws InputError, FileError, DeviceError; Error(kInterrupted) when stop() became true.
+/// Throws InputError, FileError, DeviceError; Error(kInterrupted) if stop() becomes true.
 CompareOutcome compare(const CompareJob& job, Backend& backend, const CompareProgress& progress,
                        const std::function<bool()>& stop);
 
@@ -112,17 +111,17 @@ struct MethodFigures {
   ErrorSummary y_m;
   ErrorSummary theta_deg;
   Share success;
-  Share optimal;  ///< share of all trials; an end without a certificate is no optimum
+  Share optimal;  ///< share of all trials; without a certificate a trial is not optimal
   ErrorSummary evaluations;
   ErrorSummary seconds;
-  double time_ratio = 0.0;  ///< mean time over that of simplex; 0 where simplex was not run
+  double time_ratio = 0.0;  ///< mean time over that of simplex; 0 if simplex was not run
 };
 
-/// Which scans count.
+/// Kinds of scans to sum over.
 enum class ScanKind : std::uint8_t {
-  kHeld,       ///< solution proven, held in every direction
-  kWeak,       ///< proven, weak along a corridor
-  kUncertain,  ///< not proven within the limit
+  kHeld,       ///< solution proven, constrained in every direction
+  kWeak,       ///< solution proven, weak along a corridor
+  kUncertain,  ///< solution not proven within the limit
 };
 ScanKind scan_kind(const CompareScan& scan);
 std::uint64_t count_kind(const CompareOutcome& outcome, ScanKind kind);

@@ -35,7 +35,7 @@ struct Spread {
   }
 };
 
-// The minor axis of the spread: the eigenvector of the smaller eigenvalue.
+// The minor axis of the spread: eigenvector of the smaller eigenvalue.
 Normal spread_normal(const Spread& s) {
   const double n = s.count;
   const double a = s.xx - s.x * s.x / n;
@@ -43,7 +43,7 @@ Normal spread_normal(const Spread& s) {
   const double c = s.yy - s.y * s.y / n;
   const double half = 0.5 * (a - c);
   const double root = std::sqrt(half * half + b * b);
-  // Two forms give the same vector; this one has no cancellation.
+  // Both formulas give the same vector; this choice has no cancellation.
   Normal along = half >= 0.0 ? Normal{half + root, b} : Normal{b, root - half};
   const double length = std::sqrt(along.x * along.x + along.y * along.y);
   if (!(length > 0.0)) return {0.0, 0.0};

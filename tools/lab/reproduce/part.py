@@ -1,4 +1,4 @@
-"""What the parts of the report share: what a part holds, the commands that make it, and numbers as words."""
+"""Shared by the parts of the report: the content of a part, the commands that make it, and numbers as text."""
 
 import dataclasses
 import json
@@ -19,7 +19,7 @@ PAPERS_OWN = ("pso", "sce", "simpsa", "simplex")
 COLOURS = {"pso": "#c2410c", "sce": "#0069a8", "simpsa": "#7a3fa0", "simplex": "#00694e", "gauss-newton": "#5d646d"}
 REAL_LOGS = {"intel": "Intel Research Lab", "fr079": "Freiburg 079", "mit-csail": "MIT CSAIL"}
 ONE_PLACE = "gdtslam_trajectory: 1\nwaypoints:\n  - {{at: [{}], pause: {} s}}\n"
-# Simulated drives: the scene, and what simulate and map are told. None: it is not mapped.
+# Simulated drives: the scene, and options of simulate and map. None: it is not mapped.
 DRIVES = {
     "office-loop": ("office-loop", (), ()),
     "office-loop-matched": ("office-loop", (), ("--no-loops",)),
@@ -33,12 +33,12 @@ DRIVES = {
     "office-7f": ("office-7f", ("--truth-hits",), ()),
     "wall": ("wall", ("--linkage", "paper-b-calibrated"), None),
 }
-# Where the robot stands: at a crossing; with the open elevator ahead and to the left; with a plant ahead.
+# Positions of the standing robot: at a crossing; with the open elevator ahead and to the left; with a plant ahead.
 PLACES = {"one-scan": ("18.9, 6.1", 1), "at-elevator": ("10.5, 4.7", 40), "at-plant": ("18.8, 4.7", 40)}
 
 
 class Failed(Exception):
-    """One line: what went wrong."""
+    """An error, described in one line."""
 
 
 @dataclasses.dataclass
@@ -52,11 +52,11 @@ class Part:
     by_hand: list = dataclasses.field(default_factory=list)
 
     def claim(self, quantity, paper, ours, holds, remark):
-        """A row with a verdict: what the paper claims holds here or it does not."""
+        """Adds a row with a verdict: the paper's claim holds here or not."""
         self.rows.append({"quantity": quantity, "paper": paper, "ours": ours, "verdict": "within" if holds else "outside", "remark": remark})
 
     def state(self, quantity, paper, ours, remark):
-        """A row without a verdict."""
+        """Adds a row without a verdict."""
         self.rows.append({"quantity": quantity, "paper": paper, "ours": ours, "verdict": "no verdict", "remark": remark})
 
     def table(self, caption, heads, rows):
@@ -64,7 +64,7 @@ class Part:
 
 
 class Workshop:
-    """Runs the commands in a folder of its own; what a part ran is how it is made by hand."""
+    """Runs the commands in a folder of its own; a part's commands are also the instructions to make it by hand."""
 
     def __init__(self, programs, folder, device, data):
         self.programs, self.folder, self.device, self.data = programs, folder, device, data
@@ -74,7 +74,7 @@ class Workshop:
         return self.folder / name
 
     def run(self, *words):
-        """What the command prints. Throws Failed."""
+        """Runs a command and returns its output. Throws Failed."""
         words = [str(word) for word in words]
         if shlex.join(words) not in self.commands:
             self.commands.append(shlex.join(words))
@@ -93,7 +93,7 @@ class Workshop:
         self.run("gdtslam", "map", log, "-o", run, "--no-pictures", "-q", "--device", self.device, *words)
 
     def drive(self, name):
-        """Simulates and maps it, once; NAME.log, NAME.truth.tum and the run NAME are there then."""
+        """Simulates and maps a drive once: NAME.log, NAME.truth.tum and the run NAME."""
         if name in self.drives:
             self.commands += [command for command in self.drives[name] if command not in self.commands]
             return
@@ -111,7 +111,7 @@ class Workshop:
         self.commands = earlier + self.commands
 
     def real_logs(self):
-        """Name, log and relations of those that the folder of real logs has."""
+        """Names, logs and relations in the folder of real logs."""
         if self.data is None:
             return {}
         for folder in (self.data, self.data / "slam2d"):
@@ -123,7 +123,7 @@ class Workshop:
                      "does slam2d in it")
 
     def picture(self, part, file, caption, across=1):
-        """A picture that was made in the folder goes into that of the part; so many stand side by side."""
+        """Moves a picture into the folder of the part; the page shows `across` pictures side by side."""
         shutil.move(self.path(file), self.part_folder / file)
         part.pictures.append({"file": file, "caption": caption, "across": across})
 
@@ -138,20 +138,20 @@ class Workshop:
 
 
 def read_tum(path):
-    """Stamps and poses (x, y, heading), a row each."""
+    """Stamps and poses (x, y, heading), one per row."""
     table = np.loadtxt(path, ndmin=2)
     return table[:, 0], np.column_stack([table[:, 1:3], 2.0 * np.arctan2(table[:, 6], table[:, 7])])
 
 
 def moved(pose, points):
-    """Points of a frame in that in which it has the pose."""
+    """Transforms points from a frame with this pose to its parent."""
     x, y, theta = pose
     turn = np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
     return points @ turn.T + (x, y)
 
 
 def between(first, last):
-    """The pose of the last seen from the first."""
+    """The last pose relative to the first."""
     c, s = math.cos(first[2]), math.sin(first[2])
     x, y = last[0] - first[0], last[1] - first[1]
     turn = last[2] - first[2]
@@ -159,7 +159,7 @@ def between(first, last):
 
 
 def length_text(metres):
-    """In the unit that reads best: "4.00 mm", "1.23 cm", "2.50 m"."""
+    """A length in a suitable unit: "4.00 mm", "1.23 cm", "2.50 m"."""
     for unit, scale, below in (("mm", 1000.0, 0.01), ("cm", 100.0, 1.0)):
         if abs(metres) < below:
             return f"{scale * metres:.2f} {unit}"
@@ -167,12 +167,12 @@ def length_text(metres):
 
 
 def cm_text(errors):
-    """Of the summary of an error in metres, as the commands print it."""
+    """Mean and deviation in cm, from a command's error summary in metres."""
     return f"{100.0 * errors['mean']:.2f} ± {100.0 * errors['std']:.2f}"
 
 
 def ranking(names, values):
-    """Names by rising value."""
+    """Names in ascending order of their values."""
     return ", ".join(name for _, name in sorted(zip(values, names), key=lambda pair: pair[0]))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from part import Part, length_text, moved
 
 READINGS = ("paper-a", "paper-b", "paper-c")
-# Widths and what the paper measured, the widest first, and the heights of the scene; centimetres.
+# Widths, the paper's measurements and the heights in the scene, the widest first; centimetres.
 BOXES = ((58.29, 57.5, 80.0), (34.35, 34.8, 70.0), (25.2, 24.8, 60.0))
 # A placed average of 250 ranges of the paper's protocol; its own curve is read off figure A by eye.
 DELTAS_CM = (0.4034, -0.1178, -0.3218, 0.2625, -0.09, 0.07, -0.1709)
@@ -71,8 +71,8 @@ def add_size_row(part, quantity, paper, found, true_cm, paper_mm, rule):
 
 
 def add_box_rows(part, measured):
-    """Width, and where the boxes were measured in space the height too: only heights move with the linkage. The boxes are those
-    whose widths come nearest, so that a piece of wall beside them is none of the paper's."""
+    """Adds the widths, and for boxes measured in 3D the heights: only heights depend on the linkage. Boxes are matched by the
+    nearest width, which excludes pieces of wall beside them."""
     for true_cm, paper_cm, height_cm in BOXES:
         near = [box for box in measured["boxes"] if abs(100.0 * box["width"]["value_m"] - true_cm) <= 4.0]
         box = min(near, key=lambda box: abs(100.0 * box["width"]["value_m"] - true_cm), default={"width": None, "height": None})
@@ -137,7 +137,7 @@ def read_ply(path, record):
 
 
 def read_map(folder):
-    """Rows of cells, from the lowest up, that are True where occupied; resolution and lower left corner."""
+    """Rows of cells, the lowest first, True if occupied; resolution and lower left corner."""
     text = (folder / "map.yaml").read_text()
     origin = [float(word) for word in re.search(r"origin: \[(.*?)\]", text)[1].split(",")]
     with open(folder / "map.pgm", "rb") as file:
@@ -150,7 +150,7 @@ def read_map(folder):
 
 
 def share_near(cells, others, reach):
-    """Of the cells (x, y), those with one of the others within the reach."""
+    """Share of the cells (x, y) with one of the others within reach."""
     if len(cells) == 0 or len(others) == 0:
         return 0.0
     low = np.minimum(cells.min(axis=0), others.min(axis=0)) - reach
@@ -162,9 +162,9 @@ def share_near(cells, others, reach):
 
 
 def contour_shares(occupied, resolution_m, origin_m, cloud, truth):
-    """How far the contours of a 2D map, of the 3D map from raised scans and of the truth agree, in the plane to 5 cm: of the occupied
-    cells, where a raised point is near; of the cells over which raised points span 1 m of height, where an occupied one is near; of the
-    cells with true surfaces, where a raised point is near. Points of level scans are the 2D map over again and do not count."""
+    """Agreement to 5 cm in the plane between a 2D map, the 3D map from raised scans and the truth, as three shares: occupied cells near
+    a raised point; cells over which raised points span 1 m of height, near an occupied one; cells with true surfaces near a raised
+    point. Points of level scans repeat the 2D map and are ignored."""
     reach = math.ceil(0.05 / resolution_m)
 
     def cells_of(points):
@@ -182,7 +182,7 @@ def contour_shares(occupied, resolution_m, origin_m, cloud, truth):
 
 
 def true_contour(shop, drive, alignment):
-    """What level beams truly meet, in the map's frame."""
+    """True hits of level beams, in the map's frame."""
     path = shop.path(f"{drive}.truth.ply")
     hits = read_ply(path, HITS)
     path.unlink()  # half a gigabyte
@@ -244,7 +244,7 @@ class Elevations:
 
 
 def ranges_of_stops(path):
-    """Ticks of the places where the crank stood, with the mean range of the forward beam there."""
+    """Ticks at which the crank stood, with the mean range of the forward beam."""
     ticks, sums = 0, {}
     with open(path, encoding="utf-8") as file:
         for line in file:

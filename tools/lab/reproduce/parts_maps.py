@@ -22,7 +22,7 @@ def obstacles():
 
 
 def least_distances(metric):
-    """Of each cell to the nearest obstacle, by definition."""
+    """Distance of each cell to the nearest obstacle, by definition."""
     cells = np.stack(np.meshgrid(np.arange(10), np.arange(10)), axis=-1)
     return metric(cells[:, :, None, :] - obstacles()).min(axis=2)
 
@@ -54,7 +54,7 @@ def map_of_cells(shop):
 
 
 def sheet(title, words, text_of, paper_of):
-    """Squares with a word each."""
+    """Squares with one word each."""
     figure, axes = plt.subplots(figsize=(6.2, 6.8))
     figure.subplots_adjust(0.04, 0.03, 0.96, 0.86)
     figure.text(0.04, 0.94, title, size=17, weight="bold")
@@ -109,7 +109,7 @@ def make_local_scan(shop):
 
 
 def end_error(first, last, truth):
-    """Metres and degrees that the end is off, seen from the begin."""
+    """Error of the end relative to the start, in metres and degrees."""
     error = between(between(truth[0], truth[-1]), between(first, last))
     return math.hypot(*error[:2]), math.degrees(abs(error[2]))
 

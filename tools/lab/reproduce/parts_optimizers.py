@@ -24,7 +24,7 @@ CLAIMED_M = 0.01
 
 
 class Ends:
-    """How each method ended on the scans that count, started where the odometry says."""
+    """Results of each method on the proven, well constrained scans, started at the odometry's prediction."""
 
     def __init__(self, report, trials):
         self.scans, level = report["scans"], report["levels"][0]
@@ -55,7 +55,7 @@ def compared(shop, log, scans, levels):
 
 
 def errors_over_time(ends):
-    """Logarithmic, one strip above the other: errors from micrometres to decimetres stay apart."""
+    """Logarithmic, in strips above each other, which separates errors from micrometres to decimetres."""
     figure, strips = plt.subplots(len(ends.dots), figsize=(12.4, 1.5 * len(ends.dots) + 1.0), sharex=True)
     figure.subplots_adjust(0.1, 0.07, 0.98, 0.88, hspace=0.42)
     figure.text(0.02, 0.955, "Figure 8: distance from the proven solution, scan by scan", size=15, weight="bold")
@@ -190,7 +190,7 @@ def all_runs(shop):
 
 
 def add_time_row(part, method, ratio):
-    """Held against the paper's factor, of which there may be two readings."""
+    """Compares with the paper's factor, which may have two readings."""
     time, least, most = PAPER[method][-3:]
     band = 1.5
     holds = least / band <= ratio <= most * band

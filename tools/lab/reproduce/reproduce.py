@@ -35,7 +35,7 @@ MARK = ".gdtslam-reproduce"
 
 @dataclasses.dataclass
 class Info:
-    """A part of the report: what it shows here and in the paper, and what makes it."""
+    """A part of the report: its content here and in the paper, and the function that makes it."""
     id: str
     also: str
     label: str
@@ -95,7 +95,7 @@ def digest_of(files):
 
 
 def bound(text):
-    """A number stays in one line with its unit and its deviation."""
+    """Keeps a number in one line with its unit and its deviation."""
     return re.sub(r"(?<=\d) (?=(?:cm|mm|m|s|%)(?:\W|$))|(?<=±) | (?=±)", "\u00a0", text)
 
 
@@ -115,7 +115,7 @@ class Report:
             info.kept = self.find(info.id)
 
     def claim_folder(self):
-        """The folder is new, empty or has the mark of an earlier report; nothing else is replaced."""
+        """Requires a folder that is new, empty or marked by an earlier report; nothing else is replaced."""
         if self.folder.exists() and not (self.folder / MARK).is_file():
             if not self.folder.is_dir() or any(self.folder.iterdir()):
                 raise Failed(f"{self.folder}: was not made by reproduce.py, which would replace what is in it; give another -o DIR")
@@ -125,7 +125,7 @@ class Report:
             shutil.rmtree(left)
 
     def find(self, name):
-        """What is kept of a part; None where it is of other programs or scripts, or not whole."""
+        """The stored part; None if it is incomplete or was made by other programs or scripts."""
         folder = self.folder / "parts" / name
         try:
             kept = json.loads((folder / "part.json").read_text())
@@ -157,7 +157,7 @@ class Report:
                 self.make(info)
 
     def end(self):
-        """What is left when no part is made any more, whyever."""
+        """Cleans up after the last part, also after an error."""
         for left in self.folder.glob("parts/*.making"):
             shutil.rmtree(left)
         if self.options.keep_runs:
@@ -177,7 +177,7 @@ class Report:
                 "Verdicts": f"{verdicts.count('within')} within, {verdicts.count('outside')} outside, {verdicts.count('no verdict')} without"}
 
     def image(self, info, picture):
-        """A picture as it stands in the page: drawings themselves, without the line that says that they are XML."""
+        """A picture as the page embeds it: drawings as SVG without their XML declaration."""
         data = (self.folder / "parts" / info.id / picture["file"]).read_bytes()
         if picture["file"].endswith(".svg"):
             text = data.decode()

@@ -1,5 +1,5 @@
-// The robot's path over a cloud: a tube with a mark where it begins and one where it ends, on the floor. One object
-// belongs to one thread; O(poses) when its end or its width changes.
+// The robot's path over a cloud: a tube on the floor with marks at start and end. One object belongs to one thread;
+// O(poses) when its end or its width changes.
 #pragma once
 
 #include <vtkNew.h>
@@ -19,7 +19,7 @@ namespace gdtslam {
 
 class CloudPath {
  public:
-  /// Heights of the floor: the path lies upon it.
+  /// Height of the floor, which the path is drawn on.
   using FloorHeight = std::function<double(const Point2&)>;
   CloudPath(vtkRenderer& renderer, bool is_dark);
   ~CloudPath();
@@ -28,7 +28,7 @@ class CloudPath {
 
   void set(const Trajectory& trajectory, const FloorHeight& floor_m);
   void show_until(double stamp_s) { until_s_ = stamp_s; }
-  /// Builds the tube where its width or end has changed; before each picture.
+  /// Rebuilds the tube if its width or end has changed; call it before each picture.
   void prepare(double width_m);
   /// The box of the whole path.
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }

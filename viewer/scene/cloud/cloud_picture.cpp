@@ -16,7 +16,7 @@
 namespace gdtslam {
 namespace {
 
-// At 1080 rows letters are 20 px high; below 600 rows 11, because smaller ones could not be read.
+// 20 px letters at 1080 rows; at least 11 below 600 rows, because smaller ones are illegible.
 constexpr double kLetterShare = 1.0 / 54.0;
 constexpr double kLeastLetter_px = 11.0;
 constexpr double kMarginLetters = 1.5;
@@ -25,13 +25,13 @@ constexpr double kNoteLetters = 0.85;  // size of remarks
 constexpr double kTitleShare = 0.4;    // share of the picture's height, for title and subtitle
 constexpr double kBarShare = 0.26;     // share of the picture's width, for the colour bar
 constexpr double kShortestBarLetters = 5.0;
-constexpr double kGroundOpacity = 0.75;  // opacity of the bar's ground: the scene shows through
+constexpr double kGroundOpacity = 0.75;  // opacity of the bar's background: the scene is visible through it
 constexpr double kScaleBarShare = 0.16;  // share of the picture's width, at most
 constexpr double kTriadLetters = 2.4;    // length of an axis
 constexpr double kTriadShare = 0.35;     // share of the picture's height, at most
-constexpr double kSeenEndOn = 0.25;      // an axis shorter than this share of its length says nothing
+constexpr double kSeenEndOn = 0.25;      // an axis that appears shorter than this share is not drawn
 
-// Nobody knows what a transparent picture will lie on: dark words with a light halo can be read on white and on dark.
+// The background of a transparent picture is unknown: dark words with a light halo are legible on white and on dark.
 Theme scene_theme(const CloudLook& look) {
   if (!look.is_transparent) return look.is_dark ? kDarkTheme : kLightTheme;
   Theme theme = kLightTheme;
@@ -39,8 +39,8 @@ Theme scene_theme(const CloudLook& look) {
   return theme;
 }
 
-/// Words and bars over the picture of a cloud, laid out in units of the letters' size, which follows the picture's
-/// height. The first to come finds room; a part that finds none is left out.
+/// Lays out words and bars over the picture of a cloud, in units of the letters' size, which follows the picture's
+/// height. Parts are placed in turn; one without room is left out.
 class CloudLayout {
  public:
   CloudLayout(Canvas& canvas, const CloudLook& look)
@@ -65,7 +65,7 @@ class CloudLayout {
       base += 0.55 * letter_;
     }
   }
-  /// Lower left; of a perspective camera it says where in the picture it holds.
+  /// Lower left; for a perspective camera it states the place in the picture where it is valid.
   void draw_scale_bar(const Camera& camera, const PictureSize& size) {
     const double scale_px = pixels_per_metre(camera, size, camera.target);
     if (!(scale_px > 0.0)) return;
@@ -84,7 +84,7 @@ class CloudLayout {
     canvas_.text({start.x() + length_px + 0.8 * letter_, start.y() + 0.35 * note_size}, note,
                  lettering(note_size, theme_.quiet));
   }
-  // Lower right, beside the scale bar: a scene that fits its picture is thin there.
+  // Lower right beside the scale bar, because a fitting scene is sparse there.
   void draw_colour_bar(const ColourScale& scale) {
     if (scale.quantity.empty()) return;
     ColourBar bar;
@@ -146,7 +146,7 @@ class CloudLayout {
     return {
         .size = size, .colour = colour, .anchor = anchor, .is_bold = is_bold, .has_halo = true, .halo = theme_.page};
   }
-  // Inside the picture, and half a letter away from what stands there already.
+  // Whether the area is inside the picture and half a letter away from parts already placed.
   [[nodiscard]] bool is_free(const DrawingArea& area) const {
     const double gap = 0.5 * letter_;
     if (area.corner.x() < gap || area.corner.y() < gap) return false;

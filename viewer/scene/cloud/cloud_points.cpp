@@ -14,11 +14,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr float kKeptDistance_m = 0.4F;  // a point that is nearer by less hides nothing
+constexpr float kKeptDistance_m = 0.4F;  // a point hides nothing if it is nearer by less than this
 constexpr double kLeastDiameter_m = 0.001;
 constexpr double kCodesPerDoubling = 20.0;
 constexpr double kLogOfTwo = 0.6931471805599453;
-constexpr float kSqRadius = 0.26F;  // in sides of the disc's square: a little more than fits into it
+constexpr float kSqRadius = 0.26F;  // in sides of the disc's square: slightly larger than the inscribed disc
 
 constexpr std::size_t kPiece = 1U << 16U;
 
@@ -26,8 +26,8 @@ double stamp_for_order(const CloudPoint& point) {
   return std::isnan(point.stamp_s) ? -std::numeric_limits<double>::infinity() : point.stamp_s;
 }
 
-/// Stamps of a piece of points in the order of time; one alone if it has no times, or endless ones: it is shown as a
-/// whole.
+/// Stamps of a piece of points sorted by time; a single one if the points have no times or infinite ones: the piece is
+/// then shown as a whole.
 std::vector<double> piece_stamps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn) {
   const double first_s = stamp_for_order(cloud[drawn.front()]);
   const double last_s = stamp_for_order(cloud[drawn.back()]);
@@ -144,7 +144,7 @@ void DotPainter::paint(const Dot& dot, const PictureBand& band, RawPicture& pict
 struct CloudPoints::State {
   struct Piece {
     std::vector<Dot> dots;
-    std::vector<double> stamps_s;  ///< one for each dot, or one for all
+    std::vector<double> stamps_s;  ///< one per dot, or one for all
     std::size_t shown = 0;
   };
   std::vector<Piece> pieces;
@@ -157,7 +157,7 @@ struct CloudPoints::State {
   // State of the picture that is being drawn.
   std::optional<DotPainter> painter;
   std::vector<PictureBand> bands;
-  std::vector<std::vector<std::uint32_t>> of_band;  // dots, by their place in the whole; empty for one band
+  std::vector<std::vector<std::uint32_t>> of_band;  // indices of dots in the whole; empty for a single band
 
   void sort_into_bands();
 };

@@ -1,8 +1,7 @@
-// The points of a cloud in a picture, drawn by the processor as discs, nearer than what the picture has already: a disc
-// has its size in space, so that surfaces close near and far alike, and one depth. The same on every machine; some 30
-// ns a disc. Points lie in pieces of up to 64 Ki in the order of time, so that the points up to a stamp are shown by
-// leaving out later pieces and cutting one. 16 bytes a point, 8 if the points have different stamps, and 4 while a
-// picture is drawn in several bands. One object belongs to one thread.
+// The points of a cloud, drawn by the CPU as discs in front of more distant parts of the picture. A disc has its size
+// in space, so that surfaces close near and far alike, and one depth. The same on every machine; some 30 ns a disc.
+// Pieces of up to 64 Ki points are sorted by time: drawing up to a stamp skips later pieces and cuts one. 16 bytes a
+// point, 8 more if stamps differ, 4 more while a picture is drawn in several bands. One object belongs to one thread.
 #pragma once
 
 #include <array>
@@ -29,35 +28,35 @@ struct Dot {
 };
 static_assert(sizeof(Dot) == 16);
 
-/// Diameters in space in 8 bits, each 3.5 % larger than the one before: 1 mm to 6.9 m.
+/// Encodes a diameter in space in 8 bits, in steps of 3.5 %: 1 mm to 6.9 m.
 std::uint8_t diameter_code(double diameter_m);
 
-/// How large discs are drawn, in samples.
+/// Limits of the discs' sizes, in samples.
 struct DotSizes {
   double least_px = 1.0;
   double largest_px = 1.0;
 };
 
-/// A place and how far around it, across the line of sight, nothing hides it.
+/// A position and the radius around it, across the line of sight, that points do not hide.
 struct KeptInView {
   Point3 place = Point3::Zero();
-  double radius_m = 0.5;  ///< infinity: all that stands before it is cut away
+  double radius_m = 0.5;  ///< infinity: everything in front of it is cut away
 };
 
 class DotPainter {
  public:
-  /// The dots' places count from `origin`. `kept_in_view`: a place that no dot nearer to a perspective camera hides:
-  /// those in a cone around it are left out, but for what lies lower than it: the floor.
+  /// Dots are relative to `origin`. `kept_in_view`: dots between a perspective camera and this position, within a cone,
+  /// are skipped unless they are lower than it (the floor).
   DotPainter(const PictureView& view, const Point3& origin, const DotSizes& sizes,
              const std::optional<KeptInView>& kept_in_view);
 
-  /// First row and row behind the last one that the dot touches, within the picture; the same where it is not seen.
+  /// First row and end row of the dot within the picture; equal if it is not visible.
   struct RowRange {
     std::uint32_t begin = 0;
     std::uint32_t end = 0;
   };
   [[nodiscard]] RowRange touched_rows(const Dot& dot) const;
-  /// Into the picture of a band.
+  /// Draws into the picture of a band.
   void paint(const Dot& dot, const PictureBand& band, RawPicture& picture) const;
 
  private:
@@ -84,7 +83,7 @@ class DotPainter {
   float nearest_m_ = 0.0F;
   float farthest_m_ = 0.0F;
   DotSizes sizes_;
-  std::array<float, 256> size_px_{};  ///< by size code, at one metre's distance
+  std::array<float, 256> size_px_{};  ///< by size code, at a distance of one metre
   struct Kept {
     float x = 0.0F;
     float y = 0.0F;
@@ -95,7 +94,7 @@ class DotPainter {
   std::optional<Kept> kept_;
 };
 
-/// How large a point is drawn.
+/// Limits of the points' sizes.
 struct PointSizes {
   double least_px = 1.0;  ///< in the picture
   double largest_px = 1.0;
@@ -113,12 +112,12 @@ class CloudPoints : public PictureLayer {
     double diameter_m = 0.0;
   };
   using LookOf = std::function<Look(std::uint32_t)>;
-  /// `drawn` are indices into the cloud; they are put into the order of time.
+  /// `drawn` are indices into the cloud; they are sorted by time here.
   void set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& point_look);
-  /// Points up to this stamp; equal stamps together. Points without a stamp that is a number are shown always.
+  /// Shows points up to this stamp, inclusive. Points without a valid stamp are always shown.
   void show_until(double stamp_s);
   void set_sizes(const PointSizes& sizes);
-  /// A place that no point nearer to a perspective camera hides; nothing: each point hides what is behind it.
+  /// A position that no point nearer to a perspective camera hides; empty: none.
   void keep_in_view(const std::optional<KeptInView>& kept);
   [[nodiscard]] std::uint64_t shown() const;
 

@@ -14,26 +14,26 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kPathWidthShare = 1.0 / 260.0;  // in heights of the picture
+constexpr double kPathWidthShare = 1.0 / 260.0;  // in picture heights
 constexpr double kLeastPathWidth_px = 1.6;
 constexpr double kLeastPathWidth_m = 0.03;
 constexpr double kLargestPathWidth_m = 2.0;
-// A camera that is so near to the robot looks at it: walls between them are opened. Farther off they hide it.
+// A camera this near looks at the robot: walls between them are opened. A farther camera does not see through them.
 constexpr double kNearRobot_m = 10.0;
 constexpr double kRobotMiddle_m = 0.2;
 constexpr double kKept_m = 0.45;  // around its middle
 
-// A point is as large as the gaps around it, but no blot.
+// A point is as large as the gaps around it, up to a limit.
 constexpr double kCoverage = 1.7;  // diameters per mean distance of neighbours, so that discs overlap
 constexpr double kLeastPoint_px = 1.5;
-constexpr double kLargestPointShare = 1.0 / 16.0;  // in heights of the picture,
-constexpr double kNearPointShare = 1.0 / 110.0;    // and where the robot is near, among the points
+constexpr double kLargestPointShare = 1.0 / 16.0;  // in picture heights
+constexpr double kNearPointShare = 1.0 / 110.0;    // if the camera is near the robot
 
 constexpr double kLeastShareFramed = 0.99;  // share of the drawn points within the box that a camera shows
 
-// The box of what looks like surfaces: a few beams that went far through a door or a window should not make all else
-// small. It has to hold nearly all that is drawn; in an open or sparse cloud, whose far points are no strays, it does
-// not, and the box of all is taken.
+// The box of surfaces: a few far beams through a door or a window should not make everything else small. It must
+// contain nearly all drawn points; in an open or sparse cloud, whose far points are no outliers, it does not, and the
+// box of all points is used.
 Bounds bounds_of_surfaces(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn,
                           const CloudGaps& gaps, const Bounds& of_all) {
   std::vector<std::uint32_t> dense;
@@ -63,7 +63,7 @@ struct CloudScene::State {
     return surfaces.floor ? height_m(surfaces.floor->plane, at) : 0.0;
   }
 
-  /// Hidden without a pose; built when its model is another one than before.
+  /// Hides the robot without a pose; builds it if the model has changed.
   void set_robot(const std::optional<Pose2>& T_map_base, const calib::SweepModel* model, double elevation_rad) {
     if (T_map_base && (!robot || robot_model != model)) {
       if (robot) robot->set_visible(false);
@@ -114,8 +114,8 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
   const CloudValues values(s.look.colour, cloud, distances_m);
   s.scale = colour_scale(s.look, values, drawn);
   if (s.look.colour == CloudColour::kHeight && !s.look.most && !s.look.with_ceiling && s.surfaces.ceiling) {
-    // Up to the ceiling that is left out: else the rims of all walls, which are what is seen most of, have the scale's
-    // last colour.
+    // The scale ends at the hidden ceiling: else the rims of all walls, the most visible parts, have the scale's last
+    // colour.
     const Point3 middle = s.cloud_bounds.centre();
     s.scale.most = std::max(s.scale.most, height_m(s.surfaces.ceiling->plane, {middle.x(), middle.y()}));
   }

@@ -36,21 +36,20 @@ struct Meaning {
 constexpr std::array<Meaning, 6> kMeanings{
     {{"Height", "m"}, {"Elevation", "°"}, {"Time", "s"}, {"Scan", ""}, {"Distance", "m"}, {"", ""}}};
 
-// Sequential, the least value nearest to the background, so that what is high, late or far off stands out.
+// Sequential maps with the least value nearest to the background, so that high, late or far points stand out.
 const char* suitable_map(const CloudLook& look) { return look.is_dark ? "lagoon" : "tide"; }
 
 constexpr std::size_t kLevelSample = 250000;
 constexpr double kStrayLevelShare = 0.001;
 
 constexpr std::size_t kDensitySample = 20000;  // number of points from which the common spacing is estimated
-constexpr double kCubesAlong = 400.0;          // the finest measure: cubes along the cloud's longest side
+constexpr double kCubesAlong = 400.0;          // cubes along the cloud's longest side at the finest level
 constexpr double kLeastCube_m = 0.02;
 constexpr double kCoarsestCubesAlong = 10.0;
-constexpr double kGapsPerCube = 3.0;    // at least, along a cube's edge, so that counting says something
-constexpr double kLargestGap_m = 0.05;  // beyond it points lie alone, and are shown so,
-constexpr double kGapsPerMedian = 2.0;  // but for clouds that are all sparse
-constexpr int kBits =
-    21;  // width of a coordinate in a key; farther cubes fall together, which only makes points smaller
+constexpr double kGapsPerCube = 3.0;    // least number per cube's edge for a reliable count
+constexpr double kLargestGap_m = 0.05;  // isolated points are not enlarged beyond this
+constexpr double kGapsPerMedian = 2.0;  // except in clouds that are sparse everywhere
+constexpr int kBits = 21;  // width of a coordinate in a key; farther cubes share keys, which only makes points smaller
 
 std::uint64_t cube_index(float coordinate_m, double cube_m) {
   const auto cell = static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / cube_m));
@@ -87,7 +86,7 @@ ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::
   const Meaning meaning = kMeanings.at(static_cast<std::size_t>(look.colour));
   ColourScale scale{.quantity = meaning.quantity, .unit = meaning.unit, .least = 0.0, .most = 1.0, .colour_map = {}};
   scale.colour_map = look.colour_map.empty() ? suitable_map(look) : look.colour_map;
-  static_cast<void>(colour_map(scale.colour_map));  // throws where there is none of the name
+  static_cast<void>(colour_map(scale.colour_map));  // throws for an unknown name
   if (look.colour == CloudColour::kPlain) return scale;
   const auto in_unit = [&look](double value) {
     return look.colour == CloudColour::kElevation ? deg_from_rad(value) : value;
@@ -99,7 +98,7 @@ ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::
   }
   const auto share = [&shown](double of) {
     const auto value = static_cast<double>(percentile(shown, of));
-    return std::isfinite(value) ? value : 0.0;  // no value at all: every point has the colour of the unknown
+    return std::isfinite(value) ? value : 0.0;  // without any value every point has the colour of the unknown
   };
   const bool from_zero = look.colour == CloudColour::kDistance;
   scale.least = look.least ? in_unit(*look.least) : from_zero ? 0.0 : share(kLowShare);
@@ -107,7 +106,7 @@ ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::
   if (look.least && look.most && !(scale.least < scale.most)) {
     throw ConfigError(fmt::format("the colours' least value {} is not below their most {}", scale.least, scale.most));
   }
-  if (!(scale.least < scale.most)) {  // all of one value, or none
+  if (!(scale.least < scale.most)) {  // a single value, or none
     if (!look.least && !look.most && !from_zero) scale.least -= 0.5;
     if (look.most) scale.least = scale.most - 1.0;
     if (!look.most) scale.most = scale.least + 1.0;

@@ -1,5 +1,5 @@
-// Values, colours, levels and density of a cloud's points: a value for each point, the scale's ends, the colour of a
-// value, floor and ceiling, the points that are drawn without them, and the gaps between points.
+// Values, colours, level surfaces and density of a cloud's points: each point's value, the scale's ends, the colour of
+// a value, floor and ceiling, the points drawn without them, and the gaps between points.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace gdtslam {
 
-/// The value that colours point k: m, degrees, s since `first_s`, scans, m; not a number where there is none.
+/// The value that colours point k: m, degrees, s since `first_s`, scans, m; not a number if it has none.
 class CloudValues {
  public:
   CloudValues(CloudColour colour, std::span<const CloudPoint> cloud, std::span<const float> distances_m);
@@ -31,8 +31,8 @@ class CloudValues {
   double first_s_ = 0.0;
 };
 
-/// The value below which that share of the finite values lies: the one of rank round(share * (n - 1)) in order; not a
-/// number where none is finite. Changes the order of the values. O(n).
+/// Quantile of the finite values, at rank round(share * (n - 1)); not a number if none is finite. Reorders the values.
+/// O(n).
 template <class Value>
 Value percentile(std::vector<Value>& values, double share) {
   const auto end = std::partition(values.begin(), values.end(), [](Value value) { return std::isfinite(value); });
@@ -43,38 +43,38 @@ Value percentile(std::vector<Value>& values, double share) {
   return values[static_cast<std::size_t>(rank)];
 }
 
-/// Ends of the scale: what the look asks for, else the 1st and 99th percentile of the values of the points that are
-/// drawn (distances begin at 0). Where both are one value the scale is 1 unit wide about it, that of distances above
-/// it. Throws ConfigError where the least is not below the most, or the colour map is unknown.
+/// Ends of the scale: from the look, else the 1st and 99th percentile of the drawn points' values (distances begin at
+/// 0). If both are equal, the scale is 1 unit wide about them, or above them for distances. Throws ConfigError if the
+/// least is not below the most, or the colour map is unknown.
 ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::span<const std::uint32_t> drawn);
 
 /// The look's values are in rad, the scale's in degrees.
 Colour colour_at(const ColourScale& scale, const ColourMap& map, float value);
 /// Colour of points without a value: CloudColour::kPlain.
 Colour plain_colour(const CloudLook& look);
-/// The colours that a picture of a cloud gives its points, one for each, for who writes the points elsewhere.
-/// `distances_m` belongs to CloudColour::kDistance. Throws ConfigError as CloudScene does. O(n).
+/// The colours of a cloud's points in its pictures, for writers of the points. `distances_m` is for
+/// CloudColour::kDistance. Throws ConfigError like CloudScene. O(n).
 std::vector<Colour> point_colours(std::span<const CloudPoint> cloud, const CloudLook& look,
                                   std::span<const float> distances_m = {});
 
-/// Margins of a level surface. Over the floor it is thicker than the floor's noise and thinner than things that stand
-/// on it; under the ceiling it takes the lamps, too.
+/// Margins of level surfaces. Above the floor it is thicker than the floor's noise and thinner than objects on it;
+/// below the ceiling it includes the lamps.
 inline constexpr double kFloorMargin_m = 0.06;
 inline constexpr double kCeilingMargin_m = 0.25;
 
-/// Found on at most a quarter million points spread over the cloud. O(points).
+/// Uses at most a quarter million points spread over the cloud. O(points).
 LevelSurfaces sampled_level_surfaces(std::span<const CloudPoint> cloud);
-/// Height of a level plane at a place of the map.
+/// Height of a level plane at a position in the map.
 double height_m(const Plane& plane, const Point2& at);
-/// Indices of the points with finite coordinates that the look does not take away as floor (and below) or ceiling (and
-/// above). Throws InputError where the cloud has none with finite coordinates.
+/// Indices of the finite points that the look does not hide as floor (and below) or ceiling (and above). Throws
+/// InputError if no point of the cloud is finite.
 std::vector<std::uint32_t> drawn_points(std::span<const CloudPoint> cloud, const LevelSurfaces& surfaces,
                                         const CloudLook& look);
 /// The box of the drawn points without 0.1 % at each end of each axis.
 Bounds robust_bounds(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn);
 
-/// Distances between the points of a cloud, place by place: points are counted in cubes, and a surface that crosses a
-/// cube shares its area among them. Some 40 bytes a cube; O(points).
+/// Local distances between the points of a cloud: points are counted in cubes, and a surface through a cube shares its
+/// area among them. Some 40 bytes a cube; O(points).
 class CloudDensity {
  public:
   CloudDensity(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double cube_m);
@@ -88,9 +88,8 @@ class CloudDensity {
   std::unordered_map<std::uint64_t, std::uint32_t> counts_;
 };
 
-/// The gaps between points that their discs should close: the spacing around each point, measured in cubes that hold
-/// several points, but no more than a little above what is common in the cloud; points farther apart lie alone and are
-/// shown so.
+/// The gaps that the points' discs should close: the spacing around each point, measured in cubes with several points.
+/// It is limited to a little above the cloud's usual spacing; more isolated points stay visibly alone.
 class CloudGaps {
  public:
   CloudGaps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double longest_side_m);

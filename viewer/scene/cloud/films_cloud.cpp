@@ -14,11 +14,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFollowDistance_m = 3.2;  // from the robot to the eye, on the plane
-constexpr double kSmoothed_s = 1.5;        // over which the eye's place is averaged, to each side,
-constexpr double kSmoothedFrames = 6.0;    // or over so many frames, where that is more
-constexpr int kSmoothingSteps = 8;         // to each side
-constexpr double kJitter_s = 1.0;          // back, beyond which a clock was set
+constexpr double kFollowDistance_m = 3.2;  // from the robot to the eye, horizontally
+constexpr double kSmoothed_s = 1.5;        // on each side, for averaging the eye's position
+constexpr double kSmoothedFrames = 6.0;    // or this number of frames if that is longer
+constexpr int kSmoothingSteps = 8;         // on each side
+constexpr double kJitter_s = 1.0;          // larger steps back mean that a clock was set
 
 class CloudFilm : public Film {
  public:
@@ -27,7 +27,7 @@ class CloudFilm : public Film {
   [[nodiscard]] std::size_t frames() const override { return frames_; }
 
  protected:
-  /// 0 to 1 from the first frame to the last.
+  /// Grows from 0 to 1 from the first frame to the last.
   [[nodiscard]] double film_share(std::size_t k) const {
     return frames_ > 1 ? static_cast<double>(k) / static_cast<double>(frames_ - 1) : 1.0;
   }
@@ -53,7 +53,7 @@ class OrbitFilm : public CloudFilm {
   }
 };
 
-// Points are shown by their stamps, which a clock that was set back says twice.
+// Points are shown by their stamps, which are ambiguous if a clock was set back.
 void require_times_that_go_on(const Trajectory& trajectory) {
   double latest_s = trajectory.front().stamp_s;
   double back_s = 0.0;
@@ -78,8 +78,8 @@ Pose2 pose_at(const Trajectory& trajectory, double stamp_s) {
   return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, next->T_map_base)));
 }
 
-// The robot's last place that is as far away as the camera stands: the eye travels along the robot's own path, which
-// has no walls. Before the path began there is only the way straight back.
+// The robot's last position at the camera's distance: the eye moves along the robot's own path, which is free of walls.
+// Before the path begins it moves straight back.
 Point2 place_behind(const Trajectory& trajectory, double stamp_s) {
   const Point2 robot = pose_at(trajectory, stamp_s).translation();
   const auto past = [stamp_s](const StampedPose& pose) { return pose.stamp_s > stamp_s; };
@@ -122,7 +122,8 @@ class FollowFilm : public CloudFilm {
 
   Canvas frame(std::size_t k) override {
     const double first_s = trajectory_.front().stamp_s;
-    // The last frame's time is the last pose's to the bit, so that the film ends with all that was measured till then.
+    // The last frame's time equals the last pose's to the bit, so that the film ends with all points measured until
+    // then.
     const double stamp_s = k + 1 == frames() ? trajectory_.back().stamp_s
                                              : first_s + film_share(k) * (trajectory_.back().stamp_s - first_s);
     const Pose2 pose = pose_at(trajectory_, stamp_s);
@@ -132,7 +133,7 @@ class FollowFilm : public CloudFilm {
   }
 
  private:
-  /// The mean around this time, so that the eye does not follow each jerk.
+  /// The mean around this time, which smooths jerks.
   [[nodiscard]] Point2 eye_place(double stamp_s) const {
     Point2 sum = Point2::Zero();
     double weights = 0.0;

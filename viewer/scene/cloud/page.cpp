@@ -27,31 +27,29 @@ namespace {
 
 using namespace page;
 
-// A cloud packed for a page: 12 bytes a point, little-endian: x, y, z and time in 16 bits, elevation, scan, distance in
-// 8, each as a share of its range, and which level surface the point lies on. Thread-safe; O(points).
-//
-// Point k of the page is point (k * step) mod n of the n kept ones, step being coprime to n and near n / golden ratio:
-// every beginning of the page's points is spread evenly over the log, which is what a slow machine draws while the
-// camera moves.
+// A cloud packed for a page, 12 bytes a point, little-endian: x, y, z and time in 16 bits, elevation, scan and distance
+// in 8, each as a share of its range, and the level surface of the point. Thread-safe; O(points). Point k of the page
+// is point (k * step) mod n of the n kept ones; step is coprime to n and near n / golden ratio. Any first part of the
+// page's points is spread evenly over the log: slow machines draw that while the camera moves.
 
 constexpr std::size_t kBytesPerPoint = 12;
 constexpr std::size_t kPointsPerElement = std::size_t{1} << 18U;
 /// 256 MB of page; browsers hold no text beyond 512 MB.
 constexpr std::size_t kMostPoints = std::size_t{16} << 20U;
 
-/// Range of a value, over all points that are kept.
+/// Range of a value over all kept points.
 struct Range {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
-  double low = 0.0;   ///< 1st percentile of those that are no part of the ceiling
+  double low = 0.0;   ///< 1st percentile without the ceiling's points
   double high = 0.0;  ///< 99th
   [[nodiscard]] double extent() const { return most - least; }
 };
 
-/// Floor and below, ceiling and above, with the margins of pictures of clouds: lamps go with the ceiling.
+/// Floor and below, ceiling and above, with the margins of cloud pictures: lamps belong to the ceiling.
 enum class LevelCode : std::uint8_t { kNone, kFloor, kCeiling };
 
-constexpr std::size_t kSample = 200'000;  // points that the middle box is found by
+constexpr std::size_t kSample = 200'000;  // points used to find the middle box
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kStrayShare = 0.001;          // at either end of each axis
 constexpr double kGoldenShare = 0.6180339887;  // consecutive multiples fill a circle evenly
@@ -78,8 +76,8 @@ Json describe(const Point3& place) { return Json::array({place.x(), place.y(), p
 
 class PagedCloud {
  public:
-  /// Throws InputError for a cloud of which no point is finite, has more than kMostPoints or other distances than
-  /// points.
+  /// Throws InputError if no point of the cloud is finite, for more than kMostPoints, or if distances and points differ
+  /// in number.
   PagedCloud(const Cloud& cloud, const std::vector<float>* distances_m) : cloud_(cloud), distances_m_(distances_m) {
     if (distances_m != nullptr && distances_m->size() != cloud.size()) {
       throw InputError("a page needs one distance for each point: " + std::to_string(distances_m->size()) + " for " +
@@ -135,8 +133,8 @@ class PagedCloud {
   [[nodiscard]] const Point3& least() const { return least_; }
 
  private:
-  /// A few stray points far away would coarsen the steps of all others: kept is what lies within the middle 99.8 % of
-  /// each axis, widened by their largest extent on all sides.
+  /// Keeps points within the middle 99.8 % of each axis, widened by their largest extent on all sides: a few outliers
+  /// would coarsen the steps of all others.
   void keep_points() {
     std::vector<std::uint32_t> finite;
     for (std::size_t k = 0; k < cloud_.size(); ++k) {
@@ -208,7 +206,7 @@ class PagedCloud {
       range.most = std::max(range.most, value);
     }
     std::vector<double> sample;
-    for (const std::uint32_t index : kept_) {  // points that are drawn at first, the same as in a picture of the cloud
+    for (const std::uint32_t index : kept_) {  // points drawn at first, the same as in a picture of the cloud
       const double value = point_level(cloud_[index]) == LevelCode::kCeiling ? kUnknown : value_at(index);
       if (std::isfinite(value)) sample.push_back(value);
     }
@@ -230,7 +228,7 @@ class PagedCloud {
     bytes.u8(quantised_byte(point.scan, scan_));
     if (distances_m_ == nullptr) {
       bytes.u8(0);
-    } else {  // a point without a distance is farther than was searched
+    } else {  // a point without a distance is beyond the search radius
       const double distance_m = static_cast<double>((*distances_m_)[index]);
       bytes.u8(std::isfinite(distance_m) ? quantised_byte(distance_m, distance_) : 255U);
     }
@@ -256,7 +254,7 @@ class PagedCloud {
   std::uint64_t ceiling_points_ = 0;
 };
 
-/// Name and 256 colours of each map.
+/// Names and 256 colours of all maps.
 Json colour_maps_description() {
   Json maps = Json::array();
   for (const ColourMap& map : colour_maps()) {
@@ -269,7 +267,7 @@ Json colour_maps_description() {
   return maps;
 }
 
-/// The colour map that suits a dark and a light ground, as in pictures of a cloud.
+/// The default maps for a dark and a light background, as in cloud pictures.
 Json default_maps() {
   Json maps;
   for (const bool is_dark : {true, false}) {

@@ -1,4 +1,4 @@
-// Clouds with few enough points for a picture: one point for each voxel, the voxels as large as that asks for.
+// Thins clouds for pictures: one point per voxel, with voxels as large as the limit requires.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kLeastVoxel_m = 0.002;
 constexpr double kLargestVoxel_m = 1000.0;
-constexpr double kAim = 0.75;     // share of the most points that is aimed at
-constexpr double kFull = 1.2;     // share of that aim that leaves too little room
-constexpr double kShare = 0.5;    // least share of the room for the points that came first
-constexpr double kStep = 1.1892;  // between voxels' edges: 2^(1/4)
+constexpr double kAim = 0.75;     // target share of the limit
+constexpr double kFull = 1.2;     // share of that target that leaves too little room
+constexpr double kShare = 0.5;    // least share of the room for the first points
+constexpr double kStep = 1.1892;  // ratio of successive voxel edges: 2^(1/4)
 
 constexpr std::size_t kKeptPiece = 1U << 14U;
 
-// The thinning holds what it keeps of a piece twice.
+// In pieces, because the thinning keeps its points of a piece twice.
 void add_in_pieces(CloudSink& sink, std::span<const CloudPoint> points) {
   for (; !points.empty(); points = points.subspan(std::min(kKeptPiece, points.size()))) {
     sink.add(points.first(std::min(kKeptPiece, points.size())));
@@ -39,14 +39,14 @@ double farthest_m(const Cloud& cloud) {
 // Voxels are counted from the origin with 20 bits: far away they cannot be small.
 double least_voxel_m(const Cloud& cloud) { return std::max(kLeastVoxel_m, farthest_m(cloud) / (1U << 20U) * 1.01); }
 
-// Longest side of the box of the points.
+// Longest side of the points' box.
 double side_m(const Cloud& cloud) {
   Bounds bounds;
   for (const CloudPoint& point : cloud) bounds.add(to_position(point));
   return bounds.is_empty() ? 0.0 : (bounds.highest - bounds.lowest).maxCoeff();
 }
 
-/// Points are appended, or written over those that were read already.
+/// Appends points, or overwrites those already read.
 class CompactingKeeper : public CloudSink {
  public:
   void add(std::span<const CloudPoint> points) override {
@@ -86,8 +86,8 @@ void PointLimit::State::thin_to(double wanted_m) {
   keeper.cloud.resize(keeper.kept);
 }
 
-// Points lie on surfaces: half as many are left by voxels sqrt(2) times as wide. What is to come needs room as well,
-// but not where it lies among what has come.
+// Points are on surfaces: voxels sqrt(2) times as wide keep half of them. Points still to come need room too, unless
+// they fall among the present ones.
 void PointLimit::State::thin() {
   const double share = std::max(kShare, static_cast<double>(seen) / static_cast<double>(std::max(expected, seen)));
   const double aim = kAim * static_cast<double>(most) * share;
@@ -98,8 +98,8 @@ void PointLimit::State::thin() {
   }
 }
 
-// Makes the voxels larger where a point of the piece lies too far for them; by a step at least, so that points that
-// come from farther and farther away rarely ask for it.
+// Enlarges the voxels for points that are too far for them. It enlarges by at least a step, so that ever farther points
+// rarely trigger it.
 void PointLimit::State::coarsen_for(const Cloud& piece) {
   if (!thinning) return;
   const double least_m = least_voxel_m(piece);

@@ -57,7 +57,7 @@ std::vector<SolidPart> linkage_solids(const calib::SweepModel& model, int steps)
   }
   LinkageParts::Poses last = parts.poses_at(Pose3{}, cycle.begin().crank_rad).value_or(shown);
   for (int step = 0; step <= steps; ++step) {
-    // A pose is repeated if rounding keeps the loop from closing.
+    // Repeats the last pose if rounding keeps the loop from closing.
     last = parts.poses_at(Pose3{}, cycle.crank_at(static_cast<double>(step) / steps)).value_or(last);
     for (std::size_t k = 0; k < LinkageParts::kCount; ++k) solids[k].poses.push_back(last.at(k));
   }

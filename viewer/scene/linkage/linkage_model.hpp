@@ -1,6 +1,6 @@
-// A nodding linkage as solids that move, for other programs: bars, joints, ground, laser and its fan, each with its
-// colour, and where each is through one turn of the crank. Frame: origin on the nodding axis, x forward, y left, z up;
-// metres. Needs no OpenGL. Thread-safe; O(vertices).
+// A nodding linkage as moving solids, for other programs: bars, joints, ground, laser and its fan, with colours and
+// their poses over one turn of the crank. Frame: origin on the nodding axis, x forward, y left, z up; metres. Needs no
+// OpenGL. Thread-safe; O(vertices).
 #pragma once
 
 #include <array>
@@ -14,11 +14,11 @@
 
 namespace gdtslam {
 
-/// Triangles of one colour, in the frame of their part; seen counter-clockwise from outside.
+/// Triangles of one colour in the frame of their part; counter-clockwise as seen from outside.
 struct Solid {
   Colour colour;
   double opacity = 1.0;
-  bool is_lit = true;  ///< false: its colour is seen as it is, whatever the light
+  bool is_lit = true;  ///< false: shown in its colour in any light
   std::vector<std::array<float, 3>> places;
   std::vector<std::array<float, 3>> normals;  ///< one for each place
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -27,10 +27,10 @@ struct Solid {
 struct SolidPart {
   std::string name;
   std::vector<Solid> solids;
-  std::vector<Pose3> poses;  ///< at equal steps of the crank through one turn, the last as the first
+  std::vector<Pose3> poses;  ///< at equal steps of the crank over one turn; the last equals the first
   Pose3 shown;               ///< pose in a still
 };
-/// Throws ConfigError where the loop closes nowhere.
+/// Throws ConfigError if the loop never closes.
 std::vector<SolidPart> linkage_solids(const calib::SweepModel& model, int steps);
 
 }  // namespace gdtslam

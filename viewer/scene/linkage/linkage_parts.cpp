@@ -27,7 +27,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kArcStep_rad = 0.05 * kPi;
-constexpr double kEdge_rad = 0.5;  ///< faces that meet at more have an edge
+constexpr double kEdge_rad = 0.5;  ///< faces that meet at a larger angle have an edge
 
 Mesh to_triangles(vtkAlgorithm& last) {
   vtkNew<vtkTriangleFilter> triangles;
@@ -78,7 +78,7 @@ constexpr Colour kHousing = colour_for(0xc3c8cf);
 constexpr Colour kCapWhite = colour_for(0xfdfdfb);
 constexpr Colour kCradle = colour_for(0x8b929b);
 
-/// At a place of the plane of x and z, the part's x lifted by the angle.
+/// Pose at a point in the x-z plane, with the part's x raised by the angle.
 Pose3 planar(const Point2& place, double y, double angle_rad) {
   return {{place.x(), y, place.y()}, exp_so3(Point3(0.0, -angle_rad, 0.0))};
 }
@@ -205,7 +205,7 @@ void Part::add_to(vtkRenderer& renderer) const {
 PartSizes suitable_sizes(const calib::FourBar& bars) {
   const double longest_m = std::max({bars.crank_m, bars.coupler_m, bars.rocker_m, bars.ground_m});
   const double shortest_m = std::min({bars.crank_m, bars.coupler_m, bars.rocker_m, bars.ground_m});
-  // Thin enough for the pins of the shortest bar not to touch.
+  // Thin enough that the pins of the shortest bar do not touch.
   const double bar_m = std::min(0.048 * longest_m, 0.28 * shortest_m);
   return {.bar_m = bar_m, .laser_m = 0.42 * longest_m, .fan_m = 1.5 * std::max(bars.rocker_m, 0.6 * longest_m)};
 }
@@ -253,7 +253,7 @@ void LinkageParts::build_ground() {
   const double back_y = layer_y(0) + 0.5 * thickness_m();
   ground_.add(extruded({crank_pivot, Point2::Zero()}, 0.85 * sizes_.bar_m, front_y, back_y), ink::kGround);
   if (!sizes_.with_feet) {
-    // A motor behind the crank's pivot, where the laser swings clear of it.
+    // A motor behind the crank's pivot, clear of the swinging laser.
     ground_.add(extruded({crank_pivot}, 1.7 * sizes_.bar_m, back_y, back_y + 0.3 * sizes_.laser_m), kSteel,
                 Finish::kSteel);
     return;
@@ -317,12 +317,12 @@ void LinkageParts::build_fan() {
     const Point3 along(unit.x(), unit.y(), 0.0);
     if (length_m > inner_m) beams.push_back({inner_m * along, length_m * along});
   }
-  // Opaque: VTK blends translucent props without an order, which turns such thin ones nearly white.
+  // Opaque: VTK blends translucent props without an order, which makes such thin ones nearly white.
   fan_.add(tubes(beams, 0.0024 * sizes_.fan_m), colour_for(0xe8b04a), Finish::kFlat);
 }
 
 double LinkageParts::beam_length_m(const Point2& unit, double most_m) const {
-  // The linkage stands in the way on the right side; its own shadow shows nothing.
+  // The linkage blocks the right side; its own shadow is not shown.
   const double wall_y = layer_y(0) + thickness_m();
   return unit.y() < 0.0 ? std::min(most_m, wall_y / unit.y()) : most_m;
 }

@@ -1,9 +1,9 @@
 // Shapes of the mount and the robot, from VTK's sources, and the nodding linkage as VTK props: four bars with their
 // joints, ground, laser in its cradle, fan of beams. Built once for a model, then only moved. Shapes are triangles with
-// normals; outlines lie in the plane of x and z and are extruded along y, where the viewer stands at negative y. Frame
-// `axis`: origin on the nodding axis (the rocker's pivot) in the laser's middle, x forward, y left, z up; the linkage
-// lies in planes of x and z on the right, drawn so that the rocker's direction is the laser's elevation. The lights
-// that scenes of a mount share are here, too. Metres, radians. One object belongs to one thread; O(vertices).
+// normals; outlines are in the plane of x and z and extruded along y, with the viewer at negative y. Frame `axis`:
+// origin on the nodding axis (the rocker's pivot) in the laser's middle, x forward, y left, z up. The linkage is in x-z
+// planes on the right; the rocker is drawn at the laser's elevation. Also the lights of all mount scenes. Metres,
+// radians. One object belongs to one thread; O(vertices).
 #pragma once
 
 #include <vtkPolyData.h>
@@ -25,25 +25,25 @@ namespace gdtslam {
 
 using Mesh = vtkSmartPointer<vtkPolyData>;
 
-/// All that lies within `radius` of a convex polygon, its corners counter-clockwise as seen from negative y: of one
-/// corner a disc, of two a bar with round ends.
+/// Extrudes a convex polygon grown by `radius`; corners counter-clockwise as seen from negative y. One corner gives a
+/// disc, two a bar with round ends.
 Mesh extruded(std::vector<Point2> corners, double radius, double front_y, double back_y);
-/// The same for a polygon of x and y, from one height to another.
+/// The same for a polygon in x and y, from one height to another.
 Mesh upright(const std::vector<Point2>& corners, double radius, double low_z, double high_z);
-/// A rectangle whose corners are rounded, by its lowest and its highest place.
+/// A rectangle with rounded corners, by its lowest and highest corner.
 struct RoundedBox {
   Point2 lowest;
   Point2 highest;
   double radius = 0.0;
   [[nodiscard]] std::vector<Point2> corners() const;
 };
-/// Tubes along paths; consecutive points of a path that coincide are one.
+/// Tubes along paths; consecutive equal points of a path are merged.
 Mesh tubes(const std::vector<std::vector<Point3>>& paths, double radius);
-/// A flat band between two curves of equally many points.
+/// A flat band between two curves with equal numbers of points.
 Mesh band(const std::vector<Point3>& inner, const std::vector<Point3>& outer);
 Mesh ball(const Point3& centre, double radius);
 
-/// How a prop's surface answers light.
+/// Response of a prop's surface to light.
 enum class Finish : std::uint8_t { kPaint, kSteel, kGlass, kFlat };
 vtkSmartPointer<vtkActor> make_actor(const Mesh& mesh, Colour colour, Finish finish = Finish::kPaint,
                                      double opacity = 1.0);
@@ -56,20 +56,20 @@ struct Part {
   void add_to(vtkRenderer& renderer) const;
 };
 
-/// Sizes that the bars' lengths do not give.
+/// Sizes that do not follow from the bars' lengths.
 struct PartSizes {
   double bar_m = 0.006;  ///< half the width of a bar
   double laser_m = 0.06;
   double fan_m = 0.3;     ///< 0: none
   bool with_feet = true;  ///< the ground's hatched feet, as in textbooks; else a motor
 };
-/// Sizes that suit the bars.
+/// Default sizes for these bars.
 PartSizes suitable_sizes(const calib::FourBar& bars);
 
 /// The sensor in the frame of the axis, for any mount.
 Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad);
 
-/// The sensor alone, its centre at the origin, about a cube of this side.
+/// The sensor alone, centred at the origin, about a cube of this side.
 Part laser_part(double side);
 
 class LinkageParts {
@@ -86,7 +86,7 @@ class LinkageParts {
   ~LinkageParts() = default;
 
   void add_to(vtkRenderer& renderer) const;
-  /// False, and nothing moves, where the loop does not close.
+  /// False, without motion, if the loop does not close.
   bool pose(const Pose3& T_world_axis, double crank_rad);
   /// Empty if the loop does not close.
   [[nodiscard]] std::optional<Poses> poses_at(const Pose3& T_world_axis, double crank_rad) const;
@@ -101,7 +101,7 @@ class LinkageParts {
   void build_ground();
   void build_laser();
   void build_fan();
-  /// Along the beams' ends at a radius, cut off where the linkage stands.
+  /// Arc of the beams at a radius, cut off at the linkage.
   [[nodiscard]] std::vector<Point3> fan_arc(double radius_m) const;
   [[nodiscard]] double beam_length_m(const Point2& unit, double most_m) const;
   /// A pin between two layers with its cap in front.

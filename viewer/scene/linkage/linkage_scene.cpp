@@ -17,8 +17,7 @@
 namespace gdtslam {
 namespace {
 
-/// From behind and above the right side: there the fan of beams is never seen from its edge while it swings from level
-/// to upright.
+/// View from behind and above the right side: the fan of beams is never seen edge-on between level and upright.
 constexpr double kAzimuth_rad = -0.30;
 constexpr double kHeight_rad = 0.21;
 constexpr double kViewAngle_rad = 0.34;
@@ -30,7 +29,7 @@ Point3 line_of_sight() {
   return {-azimuth.sin * height.cos, azimuth.cos * height.cos, -height.sin};
 }
 
-/// Corners of the boxes around all that is seen, at many positions of the cycle.
+/// Corners of the boxes around all visible parts at many positions of the cycle.
 std::vector<Point3> places_reached(const calib::LinkageCycle& cycle, LinkageParts& parts, vtkRenderer& renderer) {
   std::vector<Point3> places;
   for (std::size_t i = 0; i < cycle.positions().size(); i += 8) {
@@ -46,7 +45,7 @@ std::vector<Point3> places_reached(const calib::LinkageCycle& cycle, LinkagePart
 
 Point3 at_layer(const Point2& place, double y) { return {place.x(), y, place.y()}; }
 
-/// A path as dashes of about `dash_m` with gaps of the same length.
+/// A path in dashes of about `dash_m` with equal gaps.
 Mesh dashed(const std::vector<Point3>& path, double radius, double dash_m) {
   std::vector<std::vector<Point3>> dashes(1);
   double length_m = 0.0;
@@ -61,8 +60,8 @@ Mesh dashed(const std::vector<Point3>& path, double radius, double dash_m) {
   return tubes(dashes, radius);
 }
 
-/// Still surroundings of a moving linkage: the paths of its joints, the coupler's curve, the laser's sweep, the dead
-/// points. In the frame of the axis.
+/// Static surroundings of a moving linkage in the frame of the axis: paths of its joints, the coupler's curve, the
+/// laser's sweep, dead points.
 class LinkageSurroundings {
  public:
   /// `marks` is the colour of the dead points.
@@ -78,7 +77,7 @@ class LinkageSurroundings {
   }
 
   void add_to(vtkRenderer& renderer) const { still_.add_to(renderer); }
-  /// On the rim of the laser's sweep, for a label.
+  /// Position on the rim of the laser's sweep for a label.
   [[nodiscard]] Point3 sweep_rim(double elevation_rad, double share) const {
     return at_layer(share * sweep_m_ * calib::unit_at(elevation_rad), sweep_y_);
   }
@@ -95,7 +94,7 @@ class LinkageSurroundings {
     }
     still_.add(tubes({curve}, 1.5 * thin_m_), ink::kCurve);
     const double dash_m = 0.5 * parts.sizes().bar_m;
-    // The lift's part alone: the return runs over it again.
+    // Only the lift's part, because the return repeats it.
     const auto lift = static_cast<std::size_t>(static_cast<double>(arc.size() - 1) *
                                                std::fabs(cycle.lift_span_rad() / cycle.span_rad()));
     arc.resize(std::min(arc.size(), lift + 1));

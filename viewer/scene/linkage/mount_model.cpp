@@ -18,7 +18,7 @@ constexpr Colour kFrame = colour_for(0x707884);
 constexpr double kLevelHeight_m = 0.3;
 constexpr double kLaser_m = 0.07;
 
-/// Body of the robot under a sensor at this height.
+/// Dimensions of the robot's body under a sensor at this height.
 struct Body {
   double wheel_m = 0.09;  ///< radius
   double length_m = 0.42;
@@ -28,7 +28,7 @@ struct Body {
 };
 
 Body body_under(double axis_m) {
-  // Leaves the linkage its room below the axis; a sensor close to the floor has a flat robot.
+  // Leaves room for the linkage below the axis; a low sensor gives a flat robot.
   const double share = std::clamp(axis_m / 0.42, 0.2, 1.5);
   return {.wheel_m = 0.09 * share,
           .length_m = 0.42 * share,
@@ -64,7 +64,7 @@ void add_body(Part& part, const Body& body) {
   add_box(part, {-half, half, round_m}, body.bottom_m, body.top_m, kShell);
   add_box(part, {-1.006 * half, 1.006 * half, round_m}, 0.62 * body.top_m, 0.7 * body.top_m, kDeck);
   add_box(part, {-0.86 * half, 0.86 * half, 0.8 * round_m}, body.top_m - 0.004, deck_m, kDeck);
-  // An arrow on the deck: forward.
+  // An arrow on the deck that points forward.
   const double tip = 0.40 * body.length_m;
   const double arrow = 0.09 * body.length_m;
   part.add(upright({{tip - arrow, -0.8 * arrow}, {tip, 0.0}, {tip - arrow, 0.8 * arrow}}, 0.0, deck_m, deck_m + 0.002),

@@ -1,4 +1,4 @@
-// The film of the mount on the robot scanning.
+// The film of the scanning mount on the robot.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ constexpr int kCurveSteps = 600;
 constexpr double kLeastWidth = 420.0;
 constexpr double kLeastHeight = 280.0;
 
-/// One moment of the film.
+/// State at one moment of the film.
 struct ScanningMoment {
   double stamp_s = 0.0;
   double elevation_rad = 0.0;
@@ -40,11 +40,10 @@ struct ScanningMoment {
   std::uint64_t points = 0;
 };
 
-/// Everything that is drawn over the film: title, the moment in figures, the elevation running along, the mount seen
-/// close. Sizes follow one text size.
+/// Overlay of the film: title, current figures, running elevation, close view of the mount. Sizes follow one text size.
 class ScanningOverlay {
  public:
-  /// Its times count from `zero_s`.
+  /// Its times are relative to `zero_s`.
   ScanningOverlay(const ScanningTrack& track, double zero_s, const CloudLook& look, const CloudCaption& caption,
                   const PictureSize& size)
       : track_(track),
@@ -136,7 +135,7 @@ class ScanningOverlay {
     canvas.text(plot_.corner + Point2(1.1 * text_, 1.65 * text_), heading,
                 {.size = 1.05 * text_, .colour = theme_.text, .is_bold = true});
     const double length_s = std::min(track_.to_s() - track_.from_s(), kWindow_s);
-    // The moment stays at four fifths of a window that runs along.
+    // The current time stays at four fifths of a moving window.
     const double from_s = std::clamp(moment.stamp_s - 0.8 * length_s, track_.from_s(), track_.to_s() - length_s);
     Axis x;
     x.from = from_s - zero_s_;
@@ -199,10 +198,10 @@ class ScanningOverlay {
 constexpr double kLeastDistance_m = 1.7;
 constexpr double kMostDistance_m = 4.5;
 constexpr double kDistanceShare = 0.55;  ///< share of the usual range
-constexpr double kSway_rad = 0.14;       ///< turn of the camera to each side: a standing robot's scene gains depth
+constexpr double kSway_rad = 0.14;       ///< turn of the camera to each side, which gives depth while the robot stands
 constexpr double kScanViewAngle_rad = 0.95;
 
-/// Behind the robot on its right side, where the linkage is, from above.
+/// Above and behind the robot on its right side, where the linkage is.
 Camera camera_beside(const Pose2& T_map_base, double distance_m, double sway_rad) {
   const Pose2 looking{T_map_base.x_m, T_map_base.y_m, T_map_base.theta_rad + sway_rad};
   const Point2 eye = looking * Point2(-0.80 * distance_m, -0.62 * distance_m);
@@ -236,7 +235,7 @@ class ScanningFilm : public Film {
 
   Canvas frame(std::size_t k) override {
     const double share = frames_ > 1 ? static_cast<double>(k) / static_cast<double>(frames_ - 1) : 1.0;
-    // The last frame's time is the stretch's end to the bit, so that nothing of it is missing.
+    // The last frame's time equals the range's end to the bit, so that nothing is missing.
     const double stamp_s =
         k + 1 == frames_ ? track_.to_s() : track_.from_s() + share * (track_.to_s() - track_.from_s());
     ScanningMoment moment{.stamp_s = stamp_s, .elevation_rad = track_.elevation_rad(stamp_s)};

@@ -24,8 +24,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kCube_m = 0.08;          ///< in which the density of points is measured
-constexpr double kMostDiameter_m = 0.03;  ///< diameter of a point that lies alone
+constexpr double kCube_m = 0.08;          ///< for measuring the density of points
+constexpr double kMostDiameter_m = 0.03;  ///< diameter of an isolated point
 constexpr double kFades_s = 0.3;
 constexpr double kPathWidth_m = 0.014;
 constexpr double kGridStep_m = 1.0;
@@ -36,7 +36,7 @@ constexpr double kSheetOpacity = 0.08;
 constexpr std::size_t kLines = 42;
 constexpr double kCutAway_m = std::numeric_limits<double>::infinity();
 constexpr double kBefore_m = 0.03;
-/// Cosine of 1.5 degrees: neighbours farther apart have beams between them that came back without an answer.
+/// Cosine of 1.5 degrees: between neighbours farther apart there are beams without a return.
 constexpr double kNeighbours = 0.99966;
 
 vtkSmartPointer<vtkActor> new_actor(vtkRenderer& renderer) {
@@ -63,7 +63,7 @@ struct Fading {
   double size_px = 2.0;
 };
 
-/// The beams of one scan from the sensor to what they hit, and the newest points brighter than the rest. O(points) a
+/// The beams of one scan from the sensor to their hits, and the newest points brighter than the rest. O(points) per
 /// call.
 class ScanningBeams {
  public:
@@ -73,8 +73,8 @@ class ScanningBeams {
     sheet_->GetProperty()->SetOpacity(kSheetOpacity);
     paint(*lines_, kBeam);
   }
-  /// A sheet through all the scan's points in the order of its beams, torn where beams are missing, and some of the
-  /// beams as lines.
+  /// A sheet through all the scan's points in the order of the beams, with gaps at missing beams, and some of the beams
+  /// as lines.
   void set_scan(const Point3& sensor_m, std::span<const CloudPoint> scan) {
     const auto points = vtkSmartPointer<vtkPoints>::New();
     const auto triangles = vtkSmartPointer<vtkCellArray>::New();
@@ -101,7 +101,7 @@ class ScanningBeams {
     beams->SetLines(lines);
     set_data(*lines_, beams);
   }
-  /// Points of the last moments; the older the nearer to the colour of the beams.
+  /// The newest points; older ones fade to the colour of the beams.
   void set_fresh(const Point3& sensor_m, std::span<const CloudPoint> points, const Fading& fading) {
     const auto places = vtkSmartPointer<vtkPoints>::New();
     const auto cells = vtkSmartPointer<vtkCellArray>::New();
@@ -109,7 +109,7 @@ class ScanningBeams {
     colours->SetNumberOfComponents(3);
     for (const CloudPoint& point : points) {
       const double age = std::clamp((fading.now_s - point.stamp_s) / fading.fades_s, 0.0, 1.0);
-      // Before the same point of the cloud, which is a disc of some size.
+      // In front of the same point of the cloud, which is a disc of some size.
       const Point3 place(point.x_m, point.y_m, point.z_m);
       const Point3 before = place - kBefore_m * (place - sensor_m).normalized();
       const auto id = places->InsertNextPoint(before.data());
@@ -130,7 +130,7 @@ class ScanningBeams {
   vtkSmartPointer<vtkActor> fresh_;
 };
 
-/// Lines a metre apart on the floor, under all that is shown.
+/// Lines a metre apart on the floor, below everything shown.
 Mesh floor_grid(const Bounds& bounds) {
   std::vector<std::vector<Point3>> lines;
   const auto round_down = [](double value) { return kGridStep_m * (std::floor(value / kGridStep_m) - 1.0); };
@@ -220,7 +220,7 @@ void ScanningScene::show(double stamp_s, double crank_rad) {
     s.robot.set_elevation(s.track.elevation_rad(stamp_s));
   }
   const Point3 sensor_m = s.robot.T_map_laser().translation_m;
-  // Everything that stands before the robot is cut away: a hole in a wall would wander over it.
+  // Everything in front of the robot is cut away, because a moving hole in a wall would distract.
   s.points.keep_in_view(KeptInView{{sensor_m.x(), sensor_m.y(), 0.5 * sensor_m.z()}, kCutAway_m});
   s.beams.set_scan(sensor_m, s.track.last_scan(stamp_s));
   s.beams.set_fresh(sensor_m, s.track.measured_between(stamp_s - kFades_s, stamp_s),

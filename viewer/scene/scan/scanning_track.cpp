@@ -15,10 +15,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kSlope_s = 0.04;       ///< to each side: the elevation's slope, well above one scan's time
-constexpr double kSmooth_s = 1.5;       ///< to each side: the camera's average
-constexpr int kSmoothSteps = 12;        ///< to each side
-constexpr std::size_t kSamples = 4000;  ///< points that figures are estimated from
+constexpr double kSlope_s = 0.04;       ///< on each side: for the elevation's slope, well above one scan's time
+constexpr double kSmooth_s = 1.5;       ///< on each side: for the camera's average
+constexpr int kSmoothSteps = 12;        ///< on each side
+constexpr std::size_t kSamples = 4000;  ///< points for estimates
 
 bool is_before(const CloudPoint& point, double stamp_s) { return point.stamp_s < stamp_s; }
 bool is_after(double stamp_s, const CloudPoint& point) { return stamp_s < point.stamp_s; }
@@ -71,7 +71,7 @@ std::span<const CloudPoint> ScanningTrack::last_scan(double stamp_s) const {
   std::size_t end = count_until(stamp_s);
   if (end == 0) return {};
   if (end < points_.size()) {
-    // The scan that is being measured is not complete.
+    // The scan in progress is not complete.
     const std::uint32_t running = points_[end].scan;
     while (end > 0 && points_[end - 1].scan == running) --end;
     if (end == 0) return {};
@@ -122,7 +122,7 @@ Pose2 ScanningTrack::T_map_base_smooth(double stamp_s) const {
 }
 
 double ScanningTrack::sensor_forward_m(const NoddingMount& mount) const {
-  constexpr double kLeast_rad = 0.35;  // flatter planes say little
+  constexpr double kLeast_rad = 0.35;  // flatter planes are not informative
   constexpr double kMost_rad = 1.2;
   constexpr std::size_t kLeastSamples = 50;
   constexpr double kMostSpread_m = 0.1;

@@ -28,12 +28,12 @@ inline constexpr double kMostBar_m = 1.0;
 
 enum class Assembly : std::uint8_t { kOpen, kCrossed };
 
-/// By Grashof's inequality and the place of the shortest bar.
+/// Class by Grashof's inequality and the position of the shortest bar.
 enum class GrashofClass : std::uint8_t {
   kCrankRocker,   ///< the crank is the shortest bar: it turns fully, the rocker swings
-  kDoubleCrank,   ///< the ground is: both turn fully (drag link)
-  kRockerCrank,   ///< the rocker is: it would turn fully, the crank swings
-  kDoubleRocker,  ///< the coupler is: neither turns fully
+  kDoubleCrank,   ///< the ground is the shortest: both turn fully (drag link)
+  kRockerCrank,   ///< the rocker is the shortest: it would turn fully, the crank swings
+  kDoubleRocker,  ///< the coupler is the shortest: neither turns fully
   kTripleRocker,  ///< s + l > p + q: nothing turns fully
   kChangePoint,   ///< s + l = p + q within 1e-9 of it: the linkage can fall flat and change its mode
 };
@@ -67,7 +67,7 @@ struct CrankRange {
   double to_rad = 0.0;
 };
 
-/// A place at which the rocker turns back.
+/// A position at which the rocker reverses.
 struct DeadPoint {
   double crank_rad = 0.0;
   double rocker_rad = 0.0;
@@ -81,7 +81,7 @@ struct FreudensteinCoefficients {
 };
 
 /// Faults of the lengths, one sentence each: not positive, not finite, or a bar longer than the other three together,
-/// with the inequality and its numbers. Empty when the loop can close somewhere.
+/// with the inequality and its numbers. Empty if the loop can close somewhere.
 std::vector<std::string> violations(const FourBar& bars);
 /// Grashof's condition compares shortest plus longest bar with the sum of the other two. If it is less, the shortest
 /// bar turns fully.
@@ -103,7 +103,7 @@ std::optional<RockerSensitivity> sensitivity(const FourBar& bars, Assembly assem
 /// A point fixed to the coupler, `along` it from A and `across` to its left.
 std::optional<Point2> coupler_point(const FourBar& bars, Assembly assembly, double crank_rad, double along_m,
                                     double across_m);
-/// The crank angles at which the loop closes: one whole turn, or the stretches between its limits.
+/// Crank angles at which the loop closes: one whole turn, or the ranges between its limits.
 std::vector<CrankRange> crank_ranges(const FourBar& bars);
 FreudensteinCoefficients freudenstein(const FourBar& bars);
 

@@ -13,15 +13,15 @@
 
 namespace gdtslam::calib {
 
-/// How the crank's encoder counts.
+/// Counting of the crank's encoder.
 struct CrankEncoder {
   std::int64_t ticks_per_turn = 20000;
   double zero_rad = 0.0;  ///< crank angle at tick 0
   int direction = 1;      ///< +1: ticks grow counter-clockwise, -1: clockwise
-  bool wraps = true;      ///< the counter starts again at 0 at each index mark; else it counts on
+  bool wraps = true;      ///< the counter restarts at 0 at each index mark; else it counts on
 };
 
-/// Everything that turns a log of a nodding laser into beams in space.
+/// All parameters that turn a log of a nodding laser into beams in space.
 struct SweepModel {
   std::string name;
   FourBar bars;
@@ -31,15 +31,15 @@ struct SweepModel {
   double elevation_offset_rad = 0.0;  ///< elevation = sign * psi + offset, wrapped to [-pi, pi)
   NoddingMount mount;
   double mirror_rate_hz = 0.0;  ///< turns of the laser's mirror a second; 0 fires all beams at the scan's stamp
-  double stamp_share = 0.5;     ///< which part of the scan the stamp belongs to: 0 first beam, 0.5 middle, 1 last
+  double stamp_share = 0.5;     ///< position of the stamp in the scan: 0 first beam, 0.5 middle, 1 last
 };
 
 /// Every violation, one sentence each: lengths that cannot close, ticks, a length that looks like another unit.
 std::vector<std::string> validate(const SweepModel& model);
-/// A crank-rocker set up as the paper's: lifting is the slow stroke, elevation 0 at the lowest dead point, tick 0
-/// there. Throws ConfigError when the linkage is no crank-rocker, with the broken inequality.
+/// A crank-rocker set up like the paper's: lifting is the slow stroke, elevation 0 and tick 0 are at the lowest dead
+/// point. Throws ConfigError with the violated inequality if the linkage is no crank-rocker.
 SweepModel sweep_model_of(const FourBar& bars, Assembly assembly);
-/// A preset set up so, on a scanner like the paper's: 961 beams of 0.25 deg, 40 turns of its mirror a second.
+/// A preset with this setup on a scanner like the paper's: 961 beams of 0.25 deg, 40 turns of its mirror a second.
 SweepModel sweep_model_of_preset(std::string_view name);
 
 double crank_rad(const CrankEncoder& encoder, double ticks);
@@ -54,11 +54,11 @@ Phase phase_of_ticks(const CrankEncoder& encoder, double ticks);
 ElevationTable elevation_table(const SweepModel& model, std::uint32_t bits = 15);
 /// When beam k of `beams`, `bearing_step_rad` apart, fires relative to the scan's stamp.
 BeamTiming beam_timing(const SweepModel& model, std::size_t beams, double bearing_step_rad);
-/// The same for a scan that may say it itself.
+/// The same for a scan, which may have its own timing.
 BeamTiming beam_timing(const SweepModel& model, const LaserScan& scan);
-/// The largest distance, metres, by which one whole encoder tick, one whole step of the range and the table (of 2^15
-/// steps, in float32) can move a point at this range: the quantisation bound that a reconstruction is judged by. Half
-/// of it is left if an encoder or a range is rounded to the nearest step instead of cut. O(2^15).
+/// Quantisation bound for judging a reconstruction: the largest error of a point at this range, metres, from one whole
+/// encoder tick, one whole range step and the table (2^15 steps, float32). Half of it remains if encoder and range are
+/// rounded to the nearest step instead of truncated. O(2^15).
 double quantisation_bound_m(const SweepModel& model, double range_m, double range_resolution_m);
 
 }  // namespace gdtslam::calib

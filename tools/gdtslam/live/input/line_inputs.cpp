@@ -30,7 +30,7 @@ namespace {
 
 using InputClock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kLookAgain{20};  // at a file that has not grown
+constexpr std::chrono::milliseconds kLookAgain{20};  // wait at a file that has not grown
 constexpr std::chrono::seconds kPatienceWithSender{5};
 
 class LineInput : public LiveInput {
@@ -49,13 +49,13 @@ class LineInput : public LiveInput {
   }
 
  protected:
-  /// Takes what is there, or waits a moment.
+  /// Reads available data, or waits a moment.
   virtual void look() = 0;
-  /// The file or sender is gone: half a line is dropped.
+  /// Drops an unfinished line, because the file or sender is gone.
   void leave() {
     if (lines_.drop_rest()) count_half_line();
   }
-  /// Bytes that were read from it, as ::read() counts them.
+  /// Reads from the descriptor; returns the result of ::read().
   ssize_t take_from(int descriptor) {
     const ssize_t count = ::read(descriptor, block_.data(), block_.size());
     if (count > 0) lines_.add({block_.data(), static_cast<std::size_t>(count)});
@@ -103,7 +103,7 @@ class FollowedFile final : public LineInput {
     }
   }
 
-  /// Log rotation: another file has the name, or this one was cut. While no file has the name one is waited for.
+  /// Log rotation: another file has the name, or this one was cut. While the name is missing, waits for a new file.
   [[nodiscard]] bool has_begun_anew() const {
     struct stat now {};
     if (::stat(name().c_str(), &now) != 0 || !S_ISREG(now.st_mode)) return false;
@@ -115,14 +115,14 @@ class FollowedFile final : public LineInput {
   struct stat status_ {};
 };
 
-constexpr int kMostWaiting = 4;  // senders, while another one is connected
+constexpr int kMostWaiting = 4;  // senders that wait while one is connected
 
 [[noreturn]] void fail(const std::string& address, const std::string& what, int error) {
   throw FileError(address, what + ": " + errno_text(error));
 }
 
-/// A socket that refuses a connection belongs to nobody. After any other answer it is somebody's: of another type, with
-/// no place for one more, or of a user who lets nobody in.
+/// Whether nobody listens at this socket: it refuses a connection. Any other answer means that it is in use: by another
+/// type of socket, with a full queue, or by a user who denies access.
 bool is_dead(const sockaddr_un& name) {
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (probe < 0) return false;
@@ -132,19 +132,19 @@ bool is_dead(const sockaddr_un& name) {
   return is_refused;
 }
 
-/// A socket that others connect to: of loopback or a name in the file system unless another address is given.
+/// A listening socket: on loopback or in the file system unless another address is given.
 class ListeningSocket {
  public:
-  /// unix:PATH, tcp:PORT or tcp:ADDRESS:PORT, the address a number, in brackets if it has colons. A socket that a
-  /// killed process left is replaced. Throws UsageError, FileError.
+  /// unix:PATH, tcp:PORT or tcp:ADDRESS:PORT with a numeric address, in brackets if it has colons. Replaces a socket
+  /// that a killed process left. Throws UsageError, FileError.
   explicit ListeningSocket(const std::string& address);
   ListeningSocket(const ListeningSocket&) = delete;
   ListeningSocket& operator=(const ListeningSocket&) = delete;
-  /// The name in the file system goes with it, unless it is another socket's by then.
+  /// Removes the name in the file system, unless another socket has it by then.
   ~ListeningSocket();
 
   [[nodiscard]] int descriptor() const { return descriptor_; }
-  /// The next connection, or -1 if there is none any more.
+  /// The next connection, or -1 if there is none left.
   [[nodiscard]] int accept() const;
 
  private:
@@ -153,7 +153,7 @@ class ListeningSocket {
   void bind_to(int family, const void* address, unsigned size);
 
   std::string address_;
-  std::string path_;  // in the file system, once it is bound, and what was made there
+  std::string path_;  // name in the file system once bound, and the identity of the file
   struct stat made_ {};
   int descriptor_ = -1;
 };
@@ -170,7 +170,7 @@ ListeningSocket::ListeningSocket(const std::string& address) : address_(address)
   }
 }
 
-// The name goes first: nobody replaces a socket that somebody has.
+// The name is removed first, so that nobody replaces a socket that is in use.
 ListeningSocket::~ListeningSocket() {
   struct stat now {};
   const bool is_there = !path_.empty() && ::lstat(path_.c_str(), &now) == 0;
@@ -250,7 +250,7 @@ class SenderInput final : public LineInput {
     }
   }
 
-  // However a connection ends, the sender is gone and may come back.
+  // Any end of a connection means that the sender is gone and may come back.
   void receive() {
     heard_ = InputClock::now();
     const ssize_t count = take_from(sender_);

@@ -19,7 +19,7 @@
 namespace gdtslam {
 namespace {
 
-// A named pipe is opened though its writer has not come yet: each read waits for it.
+// A named pipe is opened before its writer exists: each read waits for the writer.
 int open_without_waiting(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_fifo(path, ignored)) return open_to_read(path);
@@ -66,7 +66,7 @@ class ReportingLog final : public LogReader {
   }
 
  private:
-  std::shared_ptr<LiveInput> input_;  // longer than the log, which reads it
+  std::shared_ptr<LiveInput> input_;  // outlives the log, which reads it
   std::unique_ptr<LogReader> log_;
   mutable std::vector<Warning> warnings_;
 };

@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::chrono::milliseconds kQueueSlice{100};  // after which a signal is looked for
+constexpr std::chrono::milliseconds kQueueSlice{100};  // time between checks for a signal
 
 bool is_scan(const LogRecord& record) { return std::holds_alternative<ScanRecord>(record); }
 

@@ -1,5 +1,5 @@
-// Bytes that come in pieces, given on as whole lines: what a sender leaves behind in the middle of one can be dropped
-// before anybody has read it. One object belongs to one thread. Cost: a copy of the bytes.
+// Collects bytes that come in pieces and returns whole lines, so that an unfinished line of a sender can be dropped
+// before it is read. One object belongs to one thread. Cost: a copy of the bytes.
 #pragma once
 
 #include <algorithm>
@@ -38,11 +38,11 @@ class WholeLines {
   }
 
  private:
-  static constexpr std::size_t kLongestLine = std::size_t{8} << 20U;  // more than readers of lines take
+  static constexpr std::size_t kLongestLine = std::size_t{8} << 20U;  // longer than readers of lines accept
 
   std::string buffer_;
   std::size_t given_ = 0;
-  std::size_t whole_ = 0;  // behind the last line end
+  std::size_t whole_ = 0;  // bytes up to the end of the last whole line
 };
 
 }  // namespace gdtslam

@@ -31,8 +31,7 @@ std::string without_brackets(std::string_view host) {
   return std::string(host);
 }
 
-// This host is known by its own name, and by that of multicast DNS. A name of any other domain may belong to whoever
-// registered it.
+// Accepts this host's own name and its name in multicast DNS. Anyone may register a name in another domain.
 bool is_name_of_this_host(std::string_view name) {
   std::array<char, 256> text{};
   if (::gethostname(text.data(), text.size() - 1) != 0) return false;

@@ -1,4 +1,4 @@
-// Addresses that `live` listens at, and who may ask there. Thread-safe.
+// Addresses that `live` listens at, and checks of the requests it gets there. Thread-safe.
 #pragma once
 
 #include <optional>
@@ -15,12 +15,12 @@ struct NetworkAddress {
   [[nodiscard]] std::string text() const;
 };
 
-/// PORT from 0 to 65535, or ADDRESS:PORT, the address in numbers, in brackets if it has colons; nothing for other text.
+/// Parses PORT from 0 to 65535, or ADDRESS:PORT with a numeric address, in brackets if it has colons. Else empty.
 std::optional<NetworkAddress> network_address(const std::string& text);
 
-/// Whether a request for that host (with its port), from a page of that origin (empty: of none), is one of ours. A page
-/// of another site that a browser shows must not read what this one does, whatever name it gave to our address: a host
-/// is localhost or this address; where others may reach it, an address in numbers or this host's own name.
+/// Whether a request is ours, by its host (with port) and the page's origin (empty: none). A page of another site must
+/// not read this one, whatever name it gave to our address. So a host is localhost or this address; on an address that
+/// others can reach, also any numeric address or this host's own name.
 bool may_ask(const NetworkAddress& address, std::string_view host, std::string_view origin);
 
 }  // namespace gdtslam

@@ -17,13 +17,13 @@
 namespace gdtslam {
 namespace {
 
-/// Waits for the reader without end; 0, or the error.
+/// Waits for the reader without limit; returns 0 or the error.
 int write_whole(int descriptor, const std::string& line) {
   for (std::size_t written = 0; written < line.size();) {
     const ssize_t count = ::write(descriptor, line.data() + written, line.size() - written);
     if (count >= 0) {
       written += static_cast<std::size_t>(count);
-    } else if (errno == EAGAIN) {  // another process that shares the pipe set it so
+    } else if (errno == EAGAIN) {  // set by another user of the pipe
       pollfd output{.fd = descriptor, .events = POLLOUT, .revents = 0};
       ::poll(&output, 1, -1);
     } else if (errno != EINTR) {
@@ -43,7 +43,8 @@ class LineOutput::Lines {
   void add(std::string line);
   /// Loop of the thread.
   void work();
-  /// Drops what a reader leaves that does not go on. Returns whether the thread ends now; else it waits in the system.
+  /// Drops the remaining lines of a hanging reader. Returns whether the thread ends now; else it waits in a system
+  /// call.
   bool end(bool is_patient);
   [[nodiscard]] std::exception_ptr failure() const {
     const std::lock_guard lock(mutex_);
@@ -63,10 +64,10 @@ class LineOutput::Lines {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::string> waiting_;
-  std::uint64_t written_ = 0;  // lines
+  std::uint64_t written_ = 0;  // number of lines
   std::uint64_t dropped_ = 0;
   bool is_writing_ = false;
-  bool is_stuck_ = false;  // the reader, since patience with it ended
+  bool is_stuck_ = false;  // the reader, after patience ran out
   bool is_gone_ = false;
   bool is_ending_ = false;
   std::exception_ptr failure_;
@@ -103,7 +104,7 @@ void LineOutput::Lines::work() {
   }
 }
 
-// The reader had enough, as `head` has, or it is gone, or its terminal is; any other error is one.
+// A closed pipe or a lost terminal means that the reader is gone; any other error is a failure.
 void LineOutput::Lines::stop(int error) {
   is_gone_ = true;
   waiting_.clear();

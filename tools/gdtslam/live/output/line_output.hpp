@@ -1,6 +1,6 @@
-// Lines on standard output for whoever steers by them, written by a thread of its own. If the reader is slow they wait,
-// and the writer waits for it; if it takes none at all for that long, or nobody may wait, the oldest lines are dropped
-// whole, so that a reader that hangs never stops a robot's map. One writer.
+// Writes lines to standard output by a thread of its own. Lines wait for a slow reader, and at the limit the writer
+// waits too. After `patience` without progress the oldest lines are dropped whole, so a hanging reader never stops a
+// robot's map. One writer.
 #pragma once
 
 #include <unistd.h>
@@ -17,8 +17,8 @@ namespace gdtslam {
 class LineOutput {
  public:
   struct Rule {
-    std::size_t most_waiting = 1024;        ///< lines, beside the one that is being written
-    std::chrono::milliseconds patience{0};  ///< with a reader that takes none
+    std::size_t most_waiting = 1024;        ///< lines, without the one being written
+    std::chrono::milliseconds patience{0};  ///< with a reader that accepts nothing
   };
   explicit LineOutput(const Rule& rule, int descriptor = STDOUT_FILENO);
   LineOutput(const LineOutput&) = delete;
@@ -26,10 +26,10 @@ class LineOutput {
   /// Drops what still waits.
   ~LineOutput();
 
-  /// The line ends in a newline, or is empty. If it cannot be written the drive goes on; finish() tells.
+  /// The line ends in a newline, or is empty. A failed write does not stop the drive; finish() reports it.
   void write(std::string line);
-  /// Waits for a reader that goes on reading; what another one leaves is dropped. Throws FileError if standard output
-  /// could not be written; a reader that is gone is no error.
+  /// Waits while the reader keeps reading; drops the rest if it does not. Throws FileError if standard output could not
+  /// be written; a reader that is gone is no error.
   void finish();
   /// Whether finish() will throw.
   [[nodiscard]] bool has_failed() const;
@@ -38,7 +38,7 @@ class LineOutput {
  private:
   class Lines;
 
-  std::shared_ptr<Lines> lines_;  // also the thread's, which is left behind if nobody takes what it writes
+  std::shared_ptr<Lines> lines_;  // shared with the thread, which may outlive this
   std::thread thread_;
 };
 

@@ -17,9 +17,9 @@ inline constexpr std::array<std::string_view, 2> kPoseFormats{"json", "tum"};
 /// One of kPoseFormats.
 PoseFormat parse_pose_format(std::string_view name);
 
-/// A scan that was mapped.
+/// Line of a mapped scan.
 std::string pose_line(PoseFormat format, std::uint64_t scan, const MappedScan& mapped);
-/// A scan that was followed in a map that stays as it is. Empty if the place is not known and the format cannot say so.
+/// Line of a scan followed in a fixed map. Empty if the pose is unknown and the format cannot express that.
 std::string pose_line(PoseFormat format, std::uint64_t scan, double stamp_s, const TrackedPose& pose);
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// Figures of a scan that the page shows. Thread-safe but for the meter.
+// Figures of a scan that the page shows. Thread-safe, except the meter.
 #pragma once
 
 #include <chrono>
@@ -10,10 +10,10 @@
 
 namespace gdtslam {
 
-/// Scans a second, over the last second or so. Belongs to one thread.
+/// Scans per second, over about the last second. Belongs to one thread.
 class RateMeter {
  public:
-  /// One more scan; the rate.
+  /// Counts one more scan; returns the rate.
   double count();
 
  private:
@@ -24,7 +24,7 @@ class RateMeter {
   double rate_ = 0.0;
 };
 
-/// How far a drive has come.
+/// Progress of a drive.
 struct DriveCounts {
   std::uint64_t scans = 0;
   std::uint64_t keyframes = 0;

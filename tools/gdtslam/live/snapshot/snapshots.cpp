@@ -22,7 +22,7 @@ namespace {
 
 using SnapshotClock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kSnapshotSlice{50};  // after which signals and clocks are looked at
+constexpr std::chrono::milliseconds kSnapshotSlice{50};  // time between checks of signals and clocks
 constexpr std::chrono::seconds kBetweenShown{1};
 constexpr int kLeastUrgent = 19;
 
@@ -33,7 +33,7 @@ extern "C" void on_save_signal(int /*signal*/) { g_is_save_wanted = true; }
 
 }  // namespace
 
-// The path begins with a keyframe, whatever its scan.
+// The first scan is always a keyframe, so that the path begins with one.
 void DriveRecord::take(const MappedScan& mapped) {
   const bool is_keyframe = mapped.match.merged || taken_ == 0;
   News news{.scan = {.stamp_s = mapped.match.stamp_s,
@@ -112,7 +112,7 @@ DriveState DriveRecord::state() {
   DriveState state{.map = map_->build(), .trajectory = {}};
   state.trajectory.reserve(scans_.size());
   Shelf<Scan>::Reader scans(scans_);
-  std::size_t next = 0;  // keyframe
+  std::size_t next = 0;  // index of a keyframe
   while (state.trajectory.size() < scans_.size()) {
     const Scan scan = scans.next();
     if (scan.ends_keyframe) ++next;

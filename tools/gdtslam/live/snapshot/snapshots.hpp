@@ -1,6 +1,5 @@
 // Snapshots of a drive: a thread writes map and path to files every few seconds and on a signal, and shows them to
-// people who watch the drive. The folder is renamed into place as a whole, so a reader always finds the files of one
-// moment.
+// viewers. The folder is renamed into place as a whole, so a reader always finds files of one moment.
 #pragma once
 
 #include <atomic>
@@ -53,7 +52,7 @@ class DriveRecord {
   };
   struct News {
     Scan scan;
-    LaserScan ranges;  // empty unless the scan is shown
+    LaserScan ranges;  // empty unless is_shown
   };
 
   [[nodiscard]] std::vector<Pose2> keyframe_poses() const;
@@ -66,10 +65,10 @@ class DriveRecord {
   std::uint64_t taken_ = 0;
   std::vector<News> news_;
   std::shared_future<ClosedKeyframes> asked_;
-  // Used by the thread that asks:
+  // Used by the caller of state():
   Shelf<Scan> scans_{{}, ByteShelf::kFewBytes};
   std::vector<Pose2> T_front_keyframes_;
-  std::vector<std::size_t> shown_;    // scans that are shown, up to each of them
+  std::vector<std::size_t> shown_;    // number of shown scans up to each scan
   std::vector<Pose2> T_front_shown_;  // poses of these scans
   LaserShelf ranges_{{}};             // ranges of these scans
   std::shared_future<ClosedKeyframes> awaited_;
@@ -80,16 +79,16 @@ class DriveRecord {
   std::size_t cast_ = 0;              // number of scans cast, at the keyframe poses of `closed_`
 };
 
-/// Lets SIGUSR1 ask for a snapshot, instead of ending the process. Call it before any thread starts.
+/// Makes SIGUSR1 request a snapshot instead of ending the process. Call it before any thread starts.
 void let_signal_save();
 
 class Snapshots {
  public:
   struct Plan {
     std::string folder;    ///< folder of the run; the files go into its folder `snapshot`
-    double every_s = 0.0;  ///< 0: only when the signal comes
+    double every_s = 0.0;  ///< 0: only on the signal
     bool is_quiet = false;
-    /// If is_watched() is true, `show` is called once a second.
+    /// `show` is called once a second while is_watched() is true.
     std::function<bool()> is_watched{};
     std::function<void(const DriveState&)> show{};
   };
@@ -112,7 +111,7 @@ class Snapshots {
 
   DriveRecord& record_;
   Plan plan_;
-  std::uint64_t saved_ = 0;  // scans of the last snapshot
+  std::uint64_t saved_ = 0;  // scans in the last snapshot
   std::uint64_t shown_ = 0;
   std::string last_problem_;
   std::atomic<bool> is_ending_ = false;

@@ -31,15 +31,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A signal can be handled by another thread or just before a call that blocks, so no call blocks for longer.
+// Another thread may handle a signal, or it may come just before a blocking call, so no call blocks for longer.
 constexpr int kGlance_ms = 20;
 
 void throw_if_interrupted() {
   if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
 }
 
-/// The program ffmpeg as a child: raw frames go in at its standard input, its complaints are kept. It has a process
-/// group of its own, so that Ctrl-C in a terminal comes to us alone.
+/// The program ffmpeg as a child: it reads raw frames from its standard input, and its messages are kept. It has its
+/// own process group, so that Ctrl-C in a terminal reaches only this process.
 class Ffmpeg {
  public:
   /// Throws UnavailableError if the program cannot be run.
@@ -90,7 +90,7 @@ class Ffmpeg {
     ::close(errors_);
   }
 
-  /// False if the child no longer reads. Throws Error (exit 130) if an interrupt came while it did not.
+  /// False if the child no longer reads. Throws Error (exit 130) if an interrupt came during the wait.
   bool write(std::string_view bytes) const {
     while (!bytes.empty()) {
       const ssize_t count = ::write(input_, bytes.data(), bytes.size());
@@ -109,7 +109,7 @@ class Ffmpeg {
     return true;
   }
 
-  /// Ends the input and waits. Empty if the child ended well, else how it ended: "exit 1", "signal 9".
+  /// Ends the input and waits. Returns an empty text on success, else how the child ended: "exit 1", "signal 9".
   std::string wait() {
     ::close(std::exchange(input_, -1));
     int status = 0;
@@ -151,8 +151,8 @@ std::string to_rgb(const RgbaImage& frame) {
   return rgb;
 }
 
-// The most that a film may take: 2.8 Mbit/s at 1280x720 and up to 25 frames a second, 7 MB in 20 s; more for more
-// pixels and frames, of which each needs less.
+// Highest bit rate: 2.8 Mbit/s at 1280x720 and up to 25 frames a second, 7 MB in 20 s. Larger and faster films need
+// more, but less for each pixel and frame.
 long kilobits_per_s(const FilmTarget& target) {
   constexpr double kRate = 2800.0;
   constexpr double kPixels = 1280.0 * 720.0;
@@ -168,13 +168,14 @@ std::vector<std::string> ffmpeg_command(const FilmTarget& target, const std::str
       "pipe:0 -an ",
       target.width, target.height, target.frames_per_s);
   if (target.kind == FilmKind::kGif) {
-    // One palette for the whole film, from what moves; ordered dithering, which does not flicker from frame to frame.
+    // One palette for the whole film, chosen by the moving parts; ordered dithering, which does not flicker between
+    // frames.
     text +=
         "-filter_complex split[a][b];[a]palettegen=stats_mode=diff[p];"
         "[b][p]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle -loop 0 -f gif";
   } else {
-    // 4:2:0 in the colours of HD, the index first: what every browser and player plays while it loads. Points that
-    // appear are noise to an encoder: without a limit 20 s of them take 50 MB.
+    // 4:2:0 in HD colours with the index first, which every browser and player can play during download. Appearing
+    // points are noise to an encoder: without a limit 20 s of them take 50 MB.
     text += fmt::format(
         "-vf scale=out_color_matrix=bt709:out_range=tv -c:v libx264 -preset medium -crf 20 -maxrate {0}k -bufsize {1}k "
         "-pix_fmt yuv420p ",
@@ -257,7 +258,7 @@ std::unique_ptr<FilmWriter> open_film(const FilmTarget& target) {
     throw UsageError(fmt::format("--size {}x{}: an .mp4 needs even numbers, for example {}x{}", target.width,
                                  target.height, target.width + target.width % 2, target.height + target.height % 2));
   }
-  constexpr double kMostGifFramesPerSecond = 50.0;  // a .gif counts hundredths, and players slow down what has but one
+  constexpr double kMostGifFramesPerSecond = 50.0;  // a .gif counts hundredths, and players slow down a frame of one
   if (target.kind == FilmKind::kGif && target.frames_per_s > kMostGifFramesPerSecond) {
     throw UsageError(fmt::format("--fps {}: a .gif shows at most {} frames a second; an .mp4 can show more",
                                  target.frames_per_s, kMostGifFramesPerSecond));

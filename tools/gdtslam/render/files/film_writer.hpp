@@ -1,5 +1,5 @@
-// Writers of a film's frames: an .mp4 or .gif through the program ffmpeg, which compresses beside this process, or a
-// folder of PNG files. A film appears whole or not at all. One writer belongs to one thread; memory: one frame.
+// Writers of a film's frames: an .mp4 or .gif through the program ffmpeg in its own process, or a folder of PNG files.
+// A film appears whole or not at all. One writer belongs to one thread; memory: one frame.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ enum class FilmKind : std::uint8_t { kMp4, kGif, kFrames };
 
 struct FilmTarget {
   FilmKind kind = FilmKind::kMp4;
-  std::string path;  ///< the film's file, or the folder of the frames
+  std::string path;  ///< file of the film, or folder of the frames
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   double frames_per_s = 25.0;
@@ -26,20 +26,19 @@ class FilmWriter {
   FilmWriter() = default;
   FilmWriter(const FilmWriter&) = delete;
   FilmWriter& operator=(const FilmWriter&) = delete;
-  /// Without finish() no film is left behind, and no process; frames in a folder stay.
+  /// Without finish() neither film nor process is left behind; frames in a folder stay.
   virtual ~FilmWriter() = default;
-  /// Throws FileError, Error with what ffmpeg said if that failed, Error (exit 130) if an interrupt came.
+  /// Throws FileError, Error with ffmpeg's message if that failed, Error (exit 130) after an interrupt.
   virtual void add(const RgbaImage& frame) = 0;
-  /// Ends the film; the last call. Frames of an earlier, longer film that follow the last one are removed. Throws as
-  /// add().
+  /// Ends the film; call it last. Removes further frames of an earlier, longer film. Throws like add().
   virtual void finish() = 0;
 };
 
-/// Begins the film, so that a missing program or a file that cannot be written shows before anything is drawn. Throws
-/// UsageError for what the kind cannot hold, UnavailableError if PATH has no ffmpeg, FileError.
+/// Starts the film, so that a missing program or a file that cannot be written is reported before drawing. Throws
+/// UsageError for a target that the format does not allow, UnavailableError if PATH has no ffmpeg, FileError.
 std::unique_ptr<FilmWriter> open_film(const FilmTarget& target);
 
-/// The file of frame k, counted from 0: frame-0001.png in the folder.
+/// File of frame k, counted from 0: frame-0001.png in the folder.
 std::string frame_path(const std::string& folder, std::size_t k);
 
 }  // namespace gdtslam

@@ -35,7 +35,7 @@ constexpr std::uint32_t kTextChunk = 0x4E4F534A;
 constexpr std::uint32_t kBytesChunk = 0x004E4942;
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kChunkHeaderBytes = 8;
-constexpr std::size_t kMostBytes = 0xFF000000;  // a little less than 2^32, with room for the text
+constexpr std::size_t kMostBytes = 0xFF000000;  // slightly below 2^32, with room for the text
 
 void write_numbers(AtomicFile& file, std::span<const std::uint32_t> numbers) { file.write(std::as_bytes(numbers)); }
 
@@ -48,27 +48,27 @@ constexpr int kGltfFloat = 5126;
 constexpr int kGltfPoints = 0;
 constexpr int kGltfLineStrip = 3;
 
-/// A document of one buffer: text and bytes one after the other, which needs no other file. Memory: the bytes.
+/// A document with one buffer: text and bytes in one file. Memory: the bytes.
 class GlbDocument {
  public:
-  /// A document with one scene of that name, without nodes yet.
+  /// Starts a document with one empty scene of that name.
   explicit GlbDocument(const std::string& name) {
     json_["asset"] = {{"version", "2.0"}, {"generator", "gdtslam " GDTSLAM_VERSION}};
     json_["extensionsUsed"] = GltfJson::array({"KHR_materials_unlit"});
     json_["scene"] = 0;
     json_["scenes"].push_back({{"name", name}, {"nodes", GltfJson::array()}});
-    // All of them now: a new key moves the others, and with them what a reference to one of them refers to.
+    // All keys are added now, because a new key moves the others and invalidates references to them.
     for (const char* key : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[key] = GltfJson::array();
   }
   [[nodiscard]] GltfJson& json() { return json_; }
-  /// Index of a new accessor of these values, whose size is a multiple of 4 bytes.
+  /// Adds an accessor of these values, whose size is a multiple of 4 bytes; returns its index.
   template <class Value>
   std::size_t add_accessor(const std::vector<Value>& values, int component, const char* type) {
     static_assert(sizeof(Value) % 4 == 0);
     return add_bytes(std::as_bytes(std::span(values)), values.size(), component, type);
   }
 
-  /// An accessor of places, with the bounds that the format wants.
+  /// Adds an accessor of positions, with the bounds that the format requires.
   std::size_t add_places(const std::vector<std::array<float, 3>>& places) {
     std::array<float, 3> least = places.front();
     std::array<float, 3> most = least;
@@ -83,7 +83,7 @@ class GlbDocument {
     json_["accessors"][accessor]["max"] = most;
     return accessor;
   }
-  /// Throws FileError; InputError beyond 4 GiB, where a .glb ends.
+  /// Throws FileError; InputError beyond 4 GiB, the limit of a .glb.
   void write(const std::string& path) {
     if (bytes_.size() > kMostBytes) {
       throw InputError({path, 0}, "is not written: a .glb ends at 4 GiB; --points thins the cloud");
@@ -114,13 +114,13 @@ class GlbDocument {
   std::vector<std::byte> bytes_;
 };
 
-/// Light, 0 to 1, of a channel of sRGB (IEC 61966-2-1), as glTF counts.
+/// Linear light, 0 to 1, of an sRGB channel (IEC 61966-2-1), as in glTF.
 double linear_light(std::uint8_t channel) {
   const double value = channel / 255.0;
   return value <= 0.04045 ? value / 12.92 : gdtslam::exp(2.4 * gdtslam::log((value + 0.055) / 1.055));
 }
 
-/// A material that has its colour in any light.
+/// A material that looks the same in any light.
 GltfJson gltf_unlit_material(const std::string& name, Colour colour) {
   return {{"name", name},
           {"pbrMetallicRoughness",
@@ -130,7 +130,7 @@ GltfJson gltf_unlit_material(const std::string& name, Colour colour) {
           {"extensions", GltfJson::object({{"KHR_materials_unlit", GltfJson::object()}})}};
 }
 
-// The light of an sRGB value as 16 bits.
+// Linear light of each sRGB value in 16 bits.
 std::array<std::uint16_t, 256> linear_table() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t k = 0; k < table.size(); ++k) {
@@ -142,7 +142,7 @@ std::array<std::uint16_t, 256> linear_table() {
 void add_node(GltfJson& json, const char* name, const GltfJson& primitive) {
   json["scenes"][0]["nodes"].push_back(json["nodes"].size());
   json["nodes"].push_back({{"name", name}, {"mesh", json["meshes"].size()}});
-  // One JSON value in braces is a list to GCC and the value itself to clang; GltfJson::array is a list.
+  // GCC reads one JSON value in braces as a list, clang as the value itself; GltfJson::array is always a list.
   json["meshes"].push_back({{"name", name}, {"primitives", GltfJson::array({primitive})}});
 }
 
@@ -164,7 +164,7 @@ class LinkageDocument {
  public:
   LinkageDocument(const std::string& name, double turn_s) : document_(name), json_(document_.json()), turn_s_(turn_s) {
     constexpr double kHalf = 0.7071067811865476;
-    // The document's y is up, the linkage's z.
+    // The document's y axis is up, the linkage's z axis.
     json_["nodes"].push_back(
         {{"name", "linkage"}, {"rotation", {-kHalf, 0.0, 0.0, kHalf}}, {"children", GltfJson::array()}});
     json_["scenes"][0]["nodes"].push_back(0);
@@ -204,7 +204,7 @@ class LinkageDocument {
             {"material", find_material(solid)}};
   }
 
-  /// One for all solids of a look.
+  /// One material for all solids of the same look.
   std::size_t find_material(const Solid& solid) {
     const auto key = std::tuple(hex_text(solid.colour), solid.opacity, solid.is_lit);
     const auto [found, is_new] = materials_.try_emplace(key, materials_.size());
@@ -235,7 +235,7 @@ class LinkageDocument {
     for (const Pose3& pose : part.poses) {
       places.push_back(place_of_pose(pose));
       rotations.push_back(rotation_of_pose(pose));
-      // A rotation has two quaternions; the one near the last lets the part turn the short way.
+      // A rotation has two quaternions; the one nearer to the last makes the part turn the short way.
       if (rotations.size() < 2) continue;
       const Vector4f& before = rotations[rotations.size() - 2];
       Vector4f& now = rotations.back();

@@ -1,6 +1,6 @@
-// Clouds and linkages for other programs, browsers and Blender among them, as .glb. A cloud is points with their
-// colours and the robot's path as a line; a linkage is its solids and an animation of one turn. VTK's own exporter
-// needs a window with OpenGL, so it is not used. Thread-safe.
+// Exports clouds and linkages as .glb for other programs, for example browsers and Blender. A cloud is coloured points
+// with the robot's path as a line; a linkage is its solids with an animation of one turn. VTK's own exporter is not
+// used, because it needs a window with OpenGL. Thread-safe.
 #pragma once
 
 #include <span>
@@ -21,11 +21,11 @@ struct CloudModel {
   const Trajectory* trajectory = nullptr;  ///< may be null
 };
 
-/// y up, as glTF has it: the map's (x, y, z) becomes (x, z, -y), metres. Colours are linear, as glTF wants them. Throws
-/// FileError; InputError for a cloud without points or one that is too large for a .glb, which ends at 4 GiB.
+/// y is up, as in glTF: the map's (x, y, z) becomes (x, z, -y), metres. Colours are linear, as in glTF. Throws
+/// FileError; InputError for a cloud without points or beyond the 4 GiB of a .glb.
 void write_cloud_glb(const std::string& path, const CloudModel& model);
 
-/// The parts as nodes under one that turns z up into y up; the animation takes `turn_s`. Throws FileError.
+/// Writes the parts as children of a node that turns z up into y up; the animation takes `turn_s`. Throws FileError.
 void write_linkage_glb(const std::string& path, const std::string& name, const std::vector<SolidPart>& parts,
                        double turn_s);
 

@@ -24,7 +24,7 @@ constexpr std::size_t kMostDigits = 4;
 
 [[noreturn]] void refuse(const std::string& name) {
   const std::vector<std::string> names{"auto", "cpu", "vulkan"};
-  const bool is_gpu = name.starts_with("gpu") || name.starts_with("GPU");  // by its letters it is nearer to cpu
+  const bool is_gpu = name.starts_with("gpu") || name.starts_with("GPU");  // by edit distance it is nearer to cpu
   throw UsageError("--device: there is no device '" + name + "'" + did_you_mean(is_gpu ? "vulkan" : name, names) +
                    " (auto, cpu, vulkan or vulkan:N)");
 }

@@ -17,12 +17,12 @@ std::vector<std::string> validator_texts(CLI::Option& option) {
   std::vector<std::string> texts;
   try {
     for (int k = 0;; ++k) texts.push_back(option.get_validator(k)->get_description());
-  } catch (const CLI::OptionNotFound&) {  // how CLI11 says that there are no more
+  } catch (const CLI::OptionNotFound&) {  // CLI11's sign that there are no more
   }
   return texts;
 }
 
-// CLI11 writes "N:INT in [1 - 100]": the name of the value, then what each validator says of itself.
+// CLI11 writes "N:INT in [1 - 100]": the value's name, then each validator's description.
 std::string find_value_name(CLI::Option& option, const std::vector<std::string>& validators) {
   if (option.get_items_expected_max() == 0) return {};
   std::size_t behind = 0;
@@ -31,7 +31,7 @@ std::string find_value_name(CLI::Option& option, const std::vector<std::string>&
   return name.substr(0, name.size() - std::min(behind, name.size()));
 }
 
-// "INT in [1 - 100]", as CLI::Range has it, is "1 to 100".
+// Turns "INT in [1 - 100]" of CLI::Range into "1 to 100".
 std::string find_bounds(const std::vector<std::string>& validators) {
   for (const std::string& text : validators) {
     const std::size_t begin = text.find(" in [");
@@ -93,7 +93,7 @@ std::vector<OptionGroup> collect_groups(CLI::App& app) {
   return groups;
 }
 
-// Lines that begin with two blanks stay as they are; others are one paragraph up to a blank line.
+// Lines that begin with two blanks are kept unchanged; others form one paragraph up to a blank line.
 std::vector<Paragraph> split_paragraphs(const std::string& footer) {
   std::vector<Paragraph> paragraphs;
   bool is_open = false;

@@ -1,5 +1,5 @@
-// The commands, arguments and options of the command line as plain texts: what the help and the completions of
-// shells are made of, so that none of them says anything else than the others.
+// The commands, arguments and options of the command line as plain text: one source for the help and the shell
+// completions.
 #pragma once
 
 #include <string>
@@ -7,23 +7,23 @@
 
 #include "offers.hpp"
 
-// The same declaration as in shell/cli.hpp, which this folder does not know.
+// The same declaration as in shell/cli.hpp, which this folder does not include.
 namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
 class App;
 }  // namespace CLI
 
 namespace gdtslam {
 
-/// Commands of this group are listed in the help with the reason why this build cannot run them, and nowhere else.
+/// Group of commands missing from this build. The help lists them with the reason; nothing else does.
 inline constexpr const char* kMissingCommands = "Not in this build";
 
 struct OptionText {
   std::vector<std::string> names;  ///< "-o", "--output"; of an argument "log"
   std::string value;               ///< "DIR"; empty for a flag
   std::string doc;                 ///< one paragraph without its default
-  std::string default_text;        ///< value if it is not given; empty if there is none
-  std::string bounds;              ///< "1 to 100"; empty where it has none
-  std::vector<std::string> needs;  ///< names of what it counts with only
+  std::string default_text;        ///< default value; empty if there is none
+  std::string bounds;              ///< "1 to 100"; empty if there are none
+  std::vector<std::string> needs;  ///< names of options that it requires
   bool is_required = false;
   bool repeats = false;  ///< may be given several times
   Offers offers{};       ///< completions of its value
@@ -34,7 +34,7 @@ struct OptionGroup {
   std::vector<OptionText> options;
 };
 
-/// Text of a footer: a paragraph, and lines that stay as they are after it.
+/// Part of a footer: a paragraph, or lines that are kept unchanged.
 struct Paragraph {
   std::string text;
   std::vector<std::string> lines;
@@ -43,21 +43,21 @@ struct Paragraph {
 struct CommandText {
   std::string path;   ///< "gdtslam config show"
   std::string name;   ///< "show"
-  std::string doc;    ///< its line in the list of commands
-  std::string group;  ///< under which it stands there
+  std::string doc;    ///< line in the list of commands
+  std::string group;  ///< heading in the list of commands
   std::vector<OptionText> arguments;
   std::vector<OptionGroup> groups;
   std::vector<CommandText> commands;
   std::vector<Paragraph> notes;       ///< paragraphs before the examples
   std::vector<std::string> examples;  ///< lines
-  std::vector<Paragraph> end_notes;   ///< paragraphs behind the examples
+  std::vector<Paragraph> end_notes;   ///< paragraphs after the examples
 };
 
-/// A command and all below it. Hidden options and commands are left out. A text of an option may end with what counts
-/// when it is not given, "(default: the log's)" or "[the log's]", where that is no value that the parser could show.
+/// A command and all below it, without hidden options and commands. An option's text may end with a default that the
+/// parser cannot show, "(default: the log's)" or "[the log's]".
 CommandText command_text(CLI::App& app);
 
-/// "default: 1; 1 to 100; required; with --design": all that is behind an option's sentence; empty where nothing is.
+/// Remarks after an option's sentence, "default: 1; 1 to 100; required; with --design"; empty if there are none.
 std::string option_facts(const OptionText& option);
 
 }  // namespace gdtslam

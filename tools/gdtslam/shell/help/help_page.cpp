@@ -16,7 +16,7 @@ constexpr std::size_t kUnknownWidth = 80;
 constexpr std::size_t kLeastWidth = 40;
 constexpr std::size_t kMostWidth = 100;
 constexpr std::size_t kIndent = 2;
-constexpr std::size_t kContinued = 6;  // a command line that goes on, and what is said of it
+constexpr std::size_t kContinued = 6;  // indent of a continued command line and of its remark
 
 std::optional<std::size_t> environment_width() {
   const char* const text = std::getenv("COLUMNS");
@@ -36,7 +36,7 @@ std::optional<std::size_t> terminal_width() {
   return size.ws_col;
 }
 
-// Counts the bytes of UTF-8 that begin a letter.
+// Number of characters: bytes of UTF-8 that begin one.
 std::size_t letters_in(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
@@ -48,7 +48,7 @@ void append_wrapped(std::string& page, std::string_view text, std::size_t indent
   for (const std::string& line : wrapped(text, width - indent)) page += blanks(indent) + line + "\n";
 }
 
-// A name on the left, a text on the right, which begins a line below where the name is long.
+// A name on the left and a text on the right, which starts on the next line if the name is long.
 void append_row(std::string& page, const std::string& name, const std::string& text, std::size_t column,
                 std::size_t width) {
   std::string row = blanks(kIndent) + name;
@@ -109,7 +109,7 @@ std::string usage_line(const CommandText& command) {
   return command.commands.empty() ? usage : usage + " COMMAND";
 }
 
-// The words of a command line; what is in quotes is one of them.
+// The words of a command line; quoted text is one word.
 std::vector<std::string> words_of_command(std::string_view line) {
   std::vector<std::string> words;
   char quote = 0;
@@ -131,7 +131,7 @@ std::vector<std::string> words_of_command(std::string_view line) {
   return words;
 }
 
-// A command line that is too long goes on after a backslash, so that it can still be copied.
+// A command line that is too long continues after a backslash, so that it can still be copied.
 void append_command_line(std::string& page, std::string_view command, std::size_t width) {
   std::string line = blanks(kIndent);
   bool is_empty = true;
@@ -147,7 +147,7 @@ void append_command_line(std::string& page, std::string_view command, std::size_
   page += line + "\n";
 }
 
-// "gdtslam render intel       a picture of it": what is said of it stands below where the line has no room.
+// "gdtslam render intel       a picture of it": the remark goes below the command if the line has no room.
 void append_example(std::string& page, const std::string& example, std::size_t width) {
   if (kIndent + letters_in(example) <= width) {
     page += blanks(kIndent) + example + "\n";

@@ -10,15 +10,15 @@
 
 namespace gdtslam {
 
-/// Letters of a line of help: COLUMNS of the environment, else the width of the terminal that standard output is, else
-/// 80; at least 40 and at most 100, beyond which lines are tiring to read.
+/// Characters in a line of help: COLUMNS of the environment, else the width of the terminal on standard output, else
+/// 80. At least 40 and at most 100, because longer lines are tiring to read.
 std::size_t help_width();
 
-/// Description, usage, arguments, options and commands by group, notes and examples. Only a word or a command line that
-/// is longer than a line by itself goes beyond `width`.
+/// Description, usage, arguments, options and commands by group, notes and examples. Only a single word or command line
+/// that is longer than `width` exceeds it.
 std::string help_page(const CommandText& command, std::size_t width);
 
-/// The words of the text in lines of at most `width` letters.
+/// Breaks the text into lines of at most `width` characters.
 std::vector<std::string> wrapped(std::string_view text, std::size_t width);
 
 }  // namespace gdtslam

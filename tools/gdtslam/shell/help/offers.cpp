@@ -12,7 +12,7 @@
 namespace gdtslam {
 namespace {
 
-// CLI11 has no room for a remark on an option but in the name of a validator, and one that accepts everything changes
+// CLI11 stores no remark on an option except a validator's name, and a validator that accepts everything changes
 // nothing else.
 constexpr std::string_view kMark = "offers\n";
 
@@ -50,7 +50,7 @@ Offers unpacked(const std::string& text) {
   return offers;
 }
 
-// Plain, and as the readers of logs unpack them.
+// Endings of plain logs, and of the compressed ones that the log readers unpack.
 std::vector<std::string> log_endings() {
   std::vector<std::string> endings;
   for (const char* const format : {".log", ".clf", ".csv", ".jsonl", ".mcap", ".bag", ".db3"}) {
@@ -117,7 +117,7 @@ Offers find_offers(CLI::Option& option, const std::string& value_name) {
       const std::string& name = option.get_validator(k)->get_name();
       if (name.starts_with(kMark)) return unpacked(name);
     }
-  } catch (const CLI::OptionNotFound&) {  // how CLI11 says that there are no more
+  } catch (const CLI::OptionNotFound&) {  // CLI11's sign that there are no more
   }
   return value_name.empty() ? Offers{} : known_offers(value_name);
 }

@@ -1,5 +1,5 @@
-// The options of the settings as people read them: value, default, what is allowed, where the value comes from. Angles
-// are in degrees; the exact values are those of `config show --yaml`.
+// The options of the settings in readable form: value, default, allowed values, origin of the value. Angles are in
+// degrees; `config show --yaml` prints the exact values.
 #pragma once
 
 #include <string>
@@ -16,13 +16,13 @@ struct OptionRow {
   std::string allowed;               ///< "0.005 m to 1 m", "true or false", "exact, jump-flood"
   std::string origin;                ///< "--set", the file, "default"
   std::string doc;                   ///< a sentence without its full stop
-  std::vector<std::string> choices;  ///< names that the value may be; empty for a number
-  std::string exact_value;           ///< reads back as the same bits
+  std::vector<std::string> choices;  ///< allowed names; empty for a number
+  std::string exact_value;           ///< parses back to the same bits
   std::string exact_default;
   bool is_advanced = false;
 };
 
-/// In the order of the table. `file` is the configuration file that was read, if any.
+/// In the table's order. `file` is the configuration file that was read, or empty.
 std::vector<OptionRow> option_rows(Settings& settings, const std::string& file);
 
 }  // namespace gdtslam

@@ -30,37 +30,37 @@ struct Camera {
   double parallel_height_m = 10.0;  ///< height of the scene from the picture's bottom to its top
 };
 
-/// Default places of a camera.
+/// Standard positions of a camera.
 enum class CameraPreset : std::uint8_t {
   kIso,     ///< from the south-west, the longer side turned to the picture's longer side, 38 degrees down
-  kTop,     ///< straight down, parallel, the map's y up, or its x where that fills the picture better
+  kTop,     ///< straight down, parallel; up is the map's y, or x if that fills the picture better
   kFront,   ///< along +y, parallel
   kSide,    ///< along -x, parallel
   kFollow,  ///< behind the robot, along its path
 };
 
-/// The camera that shows the whole box with a margin of 6 % of the picture on each side, as near as that allows; for
-/// every preset but kFollow, which needs a robot. An empty box is shown as one of a metre about the origin.
+/// The nearest camera that shows the whole box with a margin of 6 % of the picture on each side; for every preset but
+/// kFollow, which needs a robot. An empty box is treated as a cube of one metre about the origin.
 Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSize& size);
-/// The iso camera from which the box stays in the picture while the camera is turned about its target.
+/// The iso camera that keeps the box in the picture while it turns about its target.
 Camera orbit_camera(const Bounds& bounds, const PictureSize& size);
-/// Camera above a point of the plane, inside rooms and so below ceilings, that looks at the robot and past it.
+/// Camera above a point of the plane, at a height below room ceilings, that looks at the robot and past it.
 Camera follow_camera(const Point2& place, const Pose2& T_map_base);
-/// The camera turned about the vertical through its target, counter-clockwise from above.
+/// The camera rotated about the vertical through its target, counter-clockwise from above.
 Camera turned(const Camera& camera, double angle_rad);
 
-/// "EYE_X,EYE_Y,EYE_Z,TARGET_X,TARGET_Y,TARGET_Z[,ANGLE]", metres; ANGLE is the vertical view angle in degrees, or with
-/// an m behind it the height in metres of what a parallel camera shows. z is up; y where the camera looks straight up
+/// "EYE_X,EYE_Y,EYE_Z,TARGET_X,TARGET_Y,TARGET_Z[,ANGLE]", metres. ANGLE is the vertical view angle in degrees; with
+/// the suffix m it is the visible height in metres of a parallel camera. Up is z, or y if the camera looks straight up
 /// or down. Throws UsageError.
 Camera parse_camera(const std::string& text);
 
-/// Place of a point in the picture: pixels from the upper left corner. Empty behind the camera.
+/// Projects a point to pixels from the upper left corner. Empty behind the camera.
 std::optional<Point2> project(const Camera& camera, const PictureSize& size, const Point3& point);
 
-/// How many pixels a metre across the line of sight is at this point; 0 behind a camera.
+/// Pixels per metre across the line of sight at this point; 0 behind a camera.
 double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point);
 
-// The axes of a camera's picture, in the map.
+// Axes of a camera's picture, in the map.
 
 /// Unit vectors: right and up in the picture, forward along the line of sight.
 struct CameraBasis {
@@ -68,13 +68,13 @@ struct CameraBasis {
   Point3 up;
   Point3 forward;
 };
-/// Also valid if the camera's up is along the line of sight: then another direction is up.
+/// Also valid if the camera's up is along the line of sight: then up is another direction.
 CameraBasis camera_basis(const Camera& camera);
 /// Half of the vertical view angle as a slope.
 double half_height_slope(const Camera& camera);
 
-/// The nearest perspective camera with this line of sight that has all points in its picture, but for a margin of this
-/// share on each side. `centre` is any place among the points.
+/// The nearest perspective camera with this line of sight that shows all points within a margin of this share on each
+/// side. `centre` is any position among the points.
 Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3& centre,
                       const std::vector<Point3>& points, const PictureSize& size, double margin_share);
 

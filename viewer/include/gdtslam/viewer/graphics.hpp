@@ -1,6 +1,6 @@
-// OpenGL without a display: a surfaceless EGL context, else EGL on a device or the default display; no X and no GPU
-// needed. VTK is not touched before one of them is known to work, because Debian's VTK ends the process when it is
-// asked for a window without X. A context and the objects that draw with it belong to one thread.
+// OpenGL without a display: a surfaceless EGL context, else EGL on a device or the default display; neither X nor a GPU
+// is needed. VTK is used only after one of them works, because Debian's VTK ends the process if it gets no window
+// without X. A context and the objects that draw with it belong to one thread.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@ namespace gdtslam {
 /// OpenGL without a display.
 class GraphicsContext {
  public:
-  /// Throws UnavailableError (exit 69) if nothing can draw. Its one line lists the attempts, the reason why each
-  /// failed, and what to install or run.
+  /// Throws UnavailableError (exit 69) if nothing can draw. Its single line lists the attempts, the reason of each
+  /// failure, and what to install or run.
   GraphicsContext();
   ~GraphicsContext();
   GraphicsContext(const GraphicsContext&) = delete;

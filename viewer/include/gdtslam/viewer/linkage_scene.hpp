@@ -1,7 +1,7 @@
-// The nodding mount in motion: the four bars with joints and ground, the curve of a coupler point, the laser with its
-// fan of beams, in 3D with VTK; beside it the read-outs of crank angle and elevation, the elevation over the crank
-// with a mark that runs along, dead points, transmission angle. Frame of the linkage: four_bar.hpp, drawn upright as
-// the robot carries it (x forward, z up), so that elevation 0 is level. One object belongs to one thread.
+// The nodding mount in motion, in 3D with VTK: the four bars with joints and ground, the curve of a coupler point, the
+// laser with its fan of beams. The panel shows crank angle and elevation, the elevation over the crank with a running
+// mark, dead points, transmission angle. Frame of the linkage: four_bar.hpp, drawn upright as on the robot (x forward,
+// z up), so that elevation 0 is level. One object belongs to one thread.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-/// How a picture of a linkage looks.
+/// Appearance of a linkage.
 struct LinkageLook {
   bool is_dark = false;
   bool is_transparent = false;
@@ -23,7 +23,7 @@ struct LinkageLook {
   std::uint32_t samples = 2;  ///< per pixel side, for smooth edges
 };
 
-/// A linkage in motion, ready to be drawn.
+/// A linkage in motion.
 class LinkageScene {
  public:
   /// Throws ConfigError if the loop closes at no crank angle.
@@ -32,11 +32,11 @@ class LinkageScene {
   LinkageScene(const LinkageScene&) = delete;
   LinkageScene& operator=(const LinkageScene&) = delete;
 
-  /// The scene alone, without words, at a crank angle at which the loop closes; else nothing moves.
+  /// The scene without words, at a crank angle at which the loop closes; else the parts keep their positions.
   RgbaImage render(double crank_rad, const PictureSize& size);
-  /// Scene and panel.
+  /// Scene with panel.
   Canvas picture(double crank_rad, const PictureSize& size);
-  /// The crank angle that a still shows best: in the lift, where coupler and rocker are nearest to a right angle.
+  /// The crank angle for a still: in the lift, with coupler and rocker nearest to a right angle.
   [[nodiscard]] double shown_crank_rad() const;
 
  private:
@@ -44,7 +44,7 @@ class LinkageScene {
   std::unique_ptr<State> state_;
 };
 
-/// One turn of the crank from the begin of the lift; there and back if the crank cannot turn fully.
+/// One turn of the crank from the start of the lift; there and back if the crank cannot turn fully.
 std::unique_ptr<Film> linkage_film(LinkageScene& scene, const calib::SweepModel& model, const PictureSize& size,
                                    std::size_t frames);
 

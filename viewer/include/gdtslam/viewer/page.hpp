@@ -1,8 +1,8 @@
-// One HTML file that needs nothing else: opens offline in a browser, lets one turn the cloud, switch layers and
-// colours, and play the linkage. Data lie in it as base64, 16 bytes of text a point: coordinates and time in 16 bits
-// (at most 1/131070 of the cloud's size off), elevation, scan and distance in 8. Points that are not finite, and stray
-// ones farther from the middle 99.8 % than that is large, are left out; the page says how many. Drawn by WebGL 2 with a
-// program of our own. Frame: map, metres. Thread-safe; O(n log n) in the points.
+// A self-contained HTML file: it opens offline in a browser, where one can turn the cloud, switch layers and colours,
+// and play the linkage. Data are base64, 16 bytes of text per point: coordinates and time in 16 bits (error at most
+// 1/131070 of the cloud's size), elevation, scan and distance in 8. Points that are not finite are skipped, as are
+// outliers farther from the middle 99.8 % than its size; the page gives their number. Drawn by WebGL 2 with our own
+// program. Frame: map, metres. Thread-safe; O(n log n) in the points.
 #pragma once
 
 #include <cstddef>
@@ -20,23 +20,23 @@
 
 namespace gdtslam {
 
-/// Content of a page; null: not there.
+/// Content of a page; null parts are left out.
 struct PageInput {
   std::string title;
   std::string subtitle;
-  const Cloud* cloud = nullptr;  ///< may be null, as all below; thinned by the caller to what a page can hold
+  const Cloud* cloud = nullptr;  ///< may be null, like all below; the caller thins it to a page's limit
   const std::vector<float>* distances_m = nullptr;  ///< distance of each point to a reference
   const Trajectory* trajectory = nullptr;
-  /// Indices of the poses at which another drive begins, ascending. No line leads there, and its time continues from
-  /// the end of the previous drive. A cloud's times stay as they are.
+  /// Indices of the first poses of further drives, ascending. No line leads there, and time continues from the end of
+  /// the previous drive. A cloud's times are not changed.
   std::vector<std::size_t> drives{};
   const OccupancyMap* map = nullptr;  ///< a picture on the floor
   const calib::SweepModel* linkage = nullptr;
-  std::vector<std::pair<std::string, std::string>> facts;  ///< name and value, for the panel: "Points", "2,612,034"
+  std::vector<std::pair<std::string, std::string>> facts;  ///< name and value for the panel: "Points", "2,612,034"
 };
 
-/// Throws InputError if there is nothing to show, for a cloud of which no point is finite or which has more than 2^24
-/// points, and for another number of distances than of points; ConfigError for a linkage that closes nowhere.
+/// Throws InputError if there is nothing to show, if no point of the cloud is finite, for more than 2^24 points, and if
+/// distances and points differ in number; ConfigError for a linkage that never closes.
 std::string make_page(const PageInput& input);
 
 }  // namespace gdtslam

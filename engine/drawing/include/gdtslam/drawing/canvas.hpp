@@ -1,5 +1,5 @@
-// Vector drawings: shapes, words and pictures in the order in which they are drawn. Cairo makes PNG pixels, SVG and PDF
-// of them. Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
+// Vector drawings: shapes, words and pictures in drawing order. Cairo turns them into PNG pixels, SVG and PDF. Pixels,
+// x right, y down, all finite. One object belongs to one thread; O(shapes).
 #pragma once
 
 #include <memory>
@@ -22,36 +22,36 @@ struct DrawingArea {
   double height = 0.0;
 };
 
-/// How a line or an edge is drawn.
+/// Stroke of a line or an edge.
 struct Pen {
   Colour colour = ink::kText;
   double width = 1.0;
   double opacity = 1.0;
-  std::string_view dashes = "";  ///< pattern in the form of SVG, "4 3"; of static storage
+  std::string_view dashes = "";  ///< pattern as in SVG, "4 3"; static storage
 };
 
 enum class Anchor : std::uint8_t { kStart, kMiddle, kEnd };
 
-/// Farthest place from the origin that is drawn, in pixels: Cairo's coordinates end at 2^23.
+/// Farthest drawable coordinate, in pixels: Cairo's coordinates end at 2^23.
 inline constexpr double kFarthest_px = 1e6;
 
-/// How words are drawn.
+/// Style of words.
 struct Lettering {
   double size = 13.0;
   Colour colour = ink::kText;
   Anchor anchor = Anchor::kStart;
   bool is_bold = false;
-  bool has_halo = false;  ///< the paper's colour around the letters, over lines
+  bool has_halo = false;  ///< a border in the paper's colour around the letters, for words over lines
   Colour halo = ink::kCard;
 };
 
-/// How an area is filled.
+/// Style of a filled area.
 struct Fill {
   Colour colour = ink::kCard;
   double opacity = 1.0;
 };
 
-/// The records of a canvas, one for each call.
+/// The shapes of a canvas, one for each call.
 namespace shape {
 /// A rectangle; its corners are rounded if the radius is not 0.
 struct Rectangle {
@@ -84,7 +84,7 @@ struct Words {
   Point2 at;  ///< on the base line
   std::string text;
   Lettering lettering;
-  bool is_upright = false;  ///< turned by a quarter, to be read from below
+  bool is_upright = false;  ///< rotated by a quarter turn, read from bottom to top
 };
 /// An image, drawn to a size.
 struct Picture {
@@ -92,9 +92,9 @@ struct Picture {
   double width = 0.0;
   double height = 0.0;
   std::shared_ptr<const RgbaImage> image;
-  bool is_smooth = true;  ///< false: each pixel of the image stays a square, as a map's cells should
+  bool is_smooth = true;  ///< false: each pixel of the image stays a sharp square, as for a map's cells
 };
-/// Shapes from here to the matching ClipEnd are seen within the rectangle only.
+/// Shapes up to the matching ClipEnd are visible only within the rectangle.
 struct ClipBegin {
   Point2 corner;
   double width = 0.0;
@@ -105,10 +105,10 @@ struct ClipEnd {};
 using Shape = std::variant<shape::Rectangle, shape::Line, shape::Polygon, shape::Circle, shape::Words, shape::Picture,
                            shape::ClipBegin, shape::ClipEnd>;
 
-/// A drawing, shape upon shape.
+/// A list of shapes in drawing order.
 class Canvas {
  public:
-  /// A screen reader reads the title of an SVG. No page is drawn, so uncovered parts stay transparent.
+  /// The title of an SVG is for screen readers. No page is drawn, so uncovered parts stay transparent.
   Canvas(double width, double height, std::string_view title);
 
   void rectangle(const Point2& corner, double width, double height, const std::optional<Fill>& fill,
@@ -118,14 +118,14 @@ class Canvas {
   void polygon(std::vector<Point2> points, const Fill& fill);
   void circle(const Point2& centre, double radius, const std::optional<Fill>& fill,
               const std::optional<Pen>& edge = std::nullopt);
-  /// Bytes that are not UTF-8 become U+FFFD, control characters become spaces.
+  /// Invalid UTF-8 becomes U+FFFD, control characters become spaces.
   void text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void upright_text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void picture(const Point2& corner, double width, double height, std::shared_ptr<const RgbaImage> image,
                bool is_smooth = true);
   void begin_clip(const Point2& corner, double width, double height);
   void end_clip();
-  /// All shapes of another drawing, scaled and then moved; dashes keep their length.
+  /// Adds all shapes of another drawing, scaled and then moved; dashes keep their length.
   void place(const Canvas& drawing, const Point2& corner, double scale = 1.0);
 
   [[nodiscard]] double width() const { return width_; }
@@ -140,18 +140,18 @@ class Canvas {
   std::vector<Shape> shapes_;
 };
 
-/// Width of a line of words in the face that Cairo draws with.
+/// Width of a line of words in Cairo's font.
 double text_width(std::string_view words, double size, bool is_bold = false);
 
 // Drawings as pixels, SVG and PDF, by Cairo: no display, no OpenGL. Thread-safe; O(pixels + shapes). All throw
 // UnavailableError if the drawing has words and there is no font, and Error if Cairo fails.
 
-/// `scale` pixels for each pixel of the drawing. Throws Error too for a side that has not 1 to 32767 pixels.
+/// `scale` pixels per pixel of the drawing. Also throws Error for a side outside of 1 to 32767 pixels.
 RgbaImage rasterise(const Canvas& drawing, double scale = 1.0);
-/// Letters are outlines; the words stand in the description, for screen readers and searches. The same bytes for the
-/// same drawing and fonts.
+/// Letters are outlines; the description repeats the words for screen readers and searches. The same drawing and fonts
+/// give the same bytes.
 std::string draw_svg(const Canvas& drawing);
-/// One page, 96 pixels an inch, words stay words. The same bytes for the same drawing (no time of day).
+/// One page at 96 pixels per inch with words as text. The same drawing gives the same bytes (no time of day).
 std::string draw_pdf(const Canvas& drawing);
 
 }  // namespace gdtslam

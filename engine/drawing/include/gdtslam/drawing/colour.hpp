@@ -1,6 +1,5 @@
-// Colours: the palette of every picture that gdtslam draws, and the colour maps that turn numbers into colours.
-// The maps are ours: paths through CIELAB whose lightness changes evenly, so that equal steps of the number look
-// equally large. Thread-safe.
+// Colours: the palette of all pictures of gdtslam, and the colour maps from numbers to colours. The maps are our own:
+// paths through CIELAB with evenly changing lightness, so that equal steps of the number look equal. Thread-safe.
 #pragma once
 
 #include <array>
@@ -27,7 +26,7 @@ constexpr Colour colour_for(std::uint32_t rgb) {
 /// "#rrggbb".
 std::string hex_text(Colour colour);
 
-/// Legible on white and on kCard; every line that has one of the bars' colours also carries its name.
+/// Colours legible on white and on kCard; a line in one of the bars' colours also has the bar's name.
 namespace ink {
 inline constexpr Colour kPage = colour_for(0xf6f5f1);
 inline constexpr Colour kCard = colour_for(0xffffff);
@@ -64,9 +63,9 @@ class ColourMap {
   std::vector<Colour> table_;
   Colour unknown_;
 };
-/// All there are; the first is the default for heights.
+/// All maps; the first is the default for heights.
 const std::vector<ColourMap>& colour_maps();
-/// Throws ConfigError with the names there are.
+/// Throws ConfigError with the known names.
 const ColourMap& colour_map(std::string_view name);
 
 /// The colours of a page.
@@ -75,10 +74,10 @@ struct Theme {
   Colour card;  ///< under a plot or a legend
   Colour edge;  ///< around a card
   Colour text;
-  Colour quiet;  ///< words that explain
+  Colour quiet;  ///< explanatory words
   Colour grid;
   Colour warning;
-  std::array<Colour, 6> series;  ///< colours of curves, distinct for people with any colour vision, in this order
+  std::array<Colour, 6> series;  ///< curves, in this order; distinct for people with any colour vision
   [[nodiscard]] Colour curve(std::size_t number) const { return series[number % series.size()]; }
 };
 

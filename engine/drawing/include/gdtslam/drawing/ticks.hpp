@@ -1,5 +1,4 @@
-// Round values along an axis, 1, 2 or 5 times a power of ten, or round angles; numbers as people read them.
-// Thread-safe; O(1).
+// Round values along an axis (1, 2 or 5 times a power of ten, or round angles) and readable numbers. Thread-safe; O(1).
 #pragma once
 
 #include <cstdint>
@@ -7,7 +6,7 @@
 
 namespace gdtslam {
 
-/// Which values count as round.
+/// Kinds of round values.
 enum class TickSteps : std::uint8_t {
   kDecimal,  ///< 1, 2, 5 times a power of ten
   kDegrees   ///< the same below 10, then 15, 30, 45, 90, 180, 360
@@ -19,28 +18,28 @@ struct Ticks {
   double step = 1.0;
   int count = 1;
   [[nodiscard]] double value(int number) const { return first + number * step; }
-  /// Text with as many decimals as the step needs and a true minus sign; very large and very small values get an
-  /// exponent.
+  /// Formats a number with the decimals that the step needs and a true minus sign; very large and very small values get
+  /// an exponent.
   [[nodiscard]] std::string text(int number) const;
 };
 
-/// The least round step of which at most `most` steps (at least one) lie within the range; the ticks are those within
-/// it. `from` < `to`, both finite.
+/// Ticks within the range, with the smallest round step that gives at most `most` steps (at least one). `from` < `to`,
+/// both finite.
 Ticks make_ticks(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
-/// The same for the range grown outwards to whole steps.
+/// The same for the range extended outwards to whole steps.
 Ticks ticks_around(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
 
 /// "Position error (m)"; without a unit the quantity alone.
 std::string axis_title(const std::string& quantity, const std::string& unit);
-/// "0.0210 m": three figures that count.
+/// "0.0210 m": three significant figures.
 std::string rounded_text(double value, const std::string& unit);
 /// A whole number with a comma at every third digit.
 std::string with_commas(std::uint64_t value);
 /// "1 point", "2,839 points".
 std::string counted(std::uint64_t value, const std::string& noun);
-/// "5 mm", "20 cm", "1 m", "2 km": a length as people say it; of a 1-2-5 length no digit is lost.
+/// "5 mm", "20 cm", "1 m", "2 km": a length in its usual unit; a 1-2-5 length keeps all digits.
 std::string length_text(double length_m);
-/// The largest 1-2-5 length that does not exceed this one; 0 if there is none (not positive, not finite).
+/// The largest 1-2-5 length up to this one; 0 if there is none (not positive, not finite).
 double round_length_m(double most_m);
 
 }  // namespace gdtslam

@@ -24,15 +24,15 @@ struct LaserModel {
   double bearing_step_rad = 0.0;
   std::size_t beam_count = 0;
   double min_range_m = 0.0;       ///< nearer surfaces give no return
-  double max_range_m = 0.0;       ///< so do surfaces at this range or beyond
-  double no_return_m = 0.0;       ///< range that the sensor reports then; at least max_range_m
+  double max_range_m = 0.0;       ///< surfaces at this range or beyond give no return either
+  double no_return_m = 0.0;       ///< reported range without a return; at least max_range_m
   double noise_constant_m = 0.0;  ///< the standard deviation of a range r is noise_constant + noise_share * r
   double noise_share = 0.0;
   double range_resolution_m = 0.0;  ///< ranges are rounded to multiples of this; 0 keeps them
-  double drop_out_share = 0.0;      ///< beams that give no return for no reason, 0 to 1
-  double mirror_rate_hz = 0.0;  ///< turns of the mirror a second, which spread a scan over time; 0 fires all at once
+  double drop_out_share = 0.0;      ///< random beams without a return, 0 to 1
+  double mirror_rate_hz = 0.0;  ///< turns of the mirror a second, which spread a scan over time; 0: all beams at once
 
-  /// When beam k fires, relative to the scan's stamp. The stamp belongs to the middle of the scan, so that the robot's
+  /// Firing time of beam k relative to the scan's stamp. The stamp is the middle of the scan, so that the robot's
   /// motion within a scan does not bias its pose.
   [[nodiscard]] double time_of_beam_s(std::size_t beam) const;
 };
@@ -46,25 +46,24 @@ std::vector<std::string> validate(const LaserModel& laser);
 std::optional<LaserModel> laser_preset(std::string_view name);
 const std::vector<std::string>& laser_preset_names();
 
-/// The pose of the laser in the map, a time after the scan's stamp.
+/// The pose of the laser in the map at a time after the scan's stamp.
 using LaserPoseAt = std::function<Pose3(double offset_s)>;
 
 /// The true hit of a beam.
 struct BeamTruth {
-  double offset_s = 0.0;                                     ///< when it fires, relative to the scan's stamp
+  double offset_s = 0.0;                                     ///< firing time, relative to the scan's stamp
   double range_m = std::numeric_limits<double>::infinity();  ///< infinity: nothing within the maximum range
   std::uint32_t triangle = 0;                                ///< triangle of the caster's mesh, if there is a range
-  Vec3 hit_m{0.0, 0.0, 0.0};                                 ///< map frame, where there is a range
+  Vec3 hit_m{0.0, 0.0, 0.0};                                 ///< map frame, if there is a range
 };
 
 /// The truth of every beam, each cast from the laser's pose at the beam's own time.
 std::vector<BeamTruth> true_beams(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at);
 
-/// The range that the sensor reports for a true one. Draws the same number of values from `random` whatever the outcome
-/// is.
+/// The range that the sensor reports for a true range. Always draws the same number of values from `random`.
 double measured_range(const LaserModel& laser, double true_range_m, Random& random);
 
-/// measured_range() of each beam.
+/// Applies measured_range() to each beam.
 std::vector<float> measured_ranges(const LaserModel& laser, const std::vector<BeamTruth>& beams, Random& random);
 
 }  // namespace gdtslam::sim

@@ -1,7 +1,6 @@
-// A nodding mount on a driving robot: the crank's course over time, the readings of its encoder, and the pose of the
-// laser at any time. Frames and signs of core/nodding.hpp and calib/sweep_model.hpp; seconds from the log's begin,
-// turns of the crank from tick 0, growing with the ticks. A state costs a logarithm of the stops and a closed form.
-// Thread-safe.
+// A nodding mount on a driving robot: the crank's motion over time, the readings of its encoder, and the pose of the
+// laser at any time. Frames and signs of core/nodding.hpp and calib/sweep_model.hpp; seconds from the start of the log,
+// turns of the crank from tick 0 in the direction of growing ticks. A state costs O(log stops). Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -17,22 +16,22 @@
 
 namespace gdtslam::sim {
 
-/// When the crank turns.
+/// Modes of the crank's motion.
 enum class NodMode : std::uint8_t {
-  kContinuous,   ///< the crank turns evenly all the time
+  kContinuous,   ///< the crank always turns evenly
   kStopAndScan,  ///< whole turns while the robot stands; level and at rest while it drives
   kStepped,      ///< the crank stops each step for stop_s (the paper's calibration protocol)
 };
 
-/// How an encoder fails.
+/// Faults of an encoder.
 enum class EncoderFaultKind : std::uint8_t {
-  kStop,       ///< shows the same count from `from` to `to`
+  kStop,       ///< repeats the same count from `from` to `to`
   kJump,       ///< counts `ticks` more from `from` on
-  kBackwards,  ///< counts the wrong way from `from` to `to`, and on from there
+  kBackwards,  ///< counts in the wrong direction from `from` to `to`, and goes on from there
   kMissing,    ///< sends no message from `from` to `to`
 };
 
-/// A fault of the encoder for a while; the crank itself is not touched. For tests.
+/// A temporary fault of the encoder, without effect on the crank itself. For tests.
 struct EncoderFault {
   EncoderFaultKind kind = EncoderFaultKind::kStop;
   double from_s = 0.0;
@@ -40,37 +39,37 @@ struct EncoderFault {
   std::int64_t ticks = 0;
 };
 
-/// A nodding mount and its encoder, as they really are.
+/// The true nodding mount and its encoder.
 struct NoddingModel {
   calib::SweepModel truth;  ///< the real mount
   NodMode mode = NodMode::kContinuous;
-  double crank_rate_hz = 0.15;                  ///< turns of the crank a second, while it turns
+  double crank_rate_hz = 0.15;                  ///< turns a second, while the crank turns
   double encoder_rate_hz = 100.0;               ///< messages a second
   double start_turns = 0.0;                     ///< at time 0
   double step_rad = 0.01 * 3.1415926535897932;  ///< 1.8 deg: 100 ticks of 20,000
   double stop_s = 6.25;                         ///< 250 scans of 40 Hz
-  int turns_a_stop = 1;                         ///< that with_scan_stops() leaves time for
+  int turns_a_stop = 1;                         ///< turns that with_scan_stops() leaves time for
   double stop_every_m = 1.0;                    ///< stop-and-scan only, along the path
   std::vector<EncoderFault> faults;
 };
 
-/// Every violation, one sentence each; a loop that does not close all around is one.
+/// Every violation, one sentence each; also a loop that does not close all around.
 std::vector<std::string> validate(const NoddingModel& model);
 
-/// The waypoints with stops for kStopAndScan: at every waypoint and evenly between, at most stop_every apart, each long
-/// enough for the turns. Other modes: as they are.
+/// Adds stops for kStopAndScan: at every waypoint and evenly in between, at most stop_every apart, each long enough for
+/// the turns. Other modes return the waypoints unchanged.
 std::vector<Waypoint> with_scan_stops(const NoddingModel& model, const std::vector<Waypoint>& waypoints);
 
 /// The mount during one drive.
 class NoddingCourse {
  public:
-  /// Throws ConfigError for what validate() refuses, or when kStopAndScan finds no stop that is long enough.
+  /// Throws ConfigError for violations in validate(), or if kStopAndScan finds no stop that is long enough.
   NoddingCourse(const NoddingModel& model, const MotionPlan& plan);
 
-  /// Monotone; before 0 and after the plan's end the motion continues unchanged.
+  /// Monotonic; before 0 and after the plan's end the motion continues unchanged.
   [[nodiscard]] double crank_turns(double time_s) const;
   [[nodiscard]] double elevation_rad(double time_s) const;
-  /// The nearest whole tick, with the faults; empty if the message is missing.
+  /// Nearest whole tick, with the faults applied; empty if the message is missing.
   [[nodiscard]] std::optional<Encoder> message(double time_s) const;
   [[nodiscard]] Pose3 T_base_laser(const Pose2& T_base_level, double time_s) const;
   [[nodiscard]] const NoddingModel& model() const { return model_; }
@@ -79,7 +78,7 @@ class NoddingCourse {
   struct Turning {
     double from_s = 0.0;
     double turns = 0.0;   ///< in this stretch
-    double before = 0.0;  ///< turns until it begins
+    double before = 0.0;  ///< turns before the stretch
   };
   void find_stops(const MotionPlan& plan);
   [[nodiscard]] double turns_in_stops(double time_s) const;

@@ -1,8 +1,8 @@
-// The first triangle that a ray meets. Embree's tree proposes triangles; range and choice are ours, in double
-// precision: the smallest range wins, the lowest triangle index among equals. Embree's own hits differ between its
-// instruction sets (by up to 4e-6 m, and near an edge by the triangle), so it only sees boxes, padded by more than its
-// rounding. The result is that of a search through all triangles, bit for bit, on every host. Metres, map frame.
-// Building: O(n log n); a cast: O(log n), about a microsecond. cast() is thread-safe.
+// The first triangle that a ray meets. Embree's tree proposes triangles; this code computes ranges in double precision
+// and chooses: the smallest range, then the lowest triangle index. Embree's own hits differ between its instruction
+// sets (by up to 4e-6 m, and near an edge by the triangle), so Embree only tests boxes, padded by more than its
+// rounding. The result equals a search through all triangles, bit for bit, on every host. Metres, map frame. Building:
+// O(n log n); a cast: O(log n), about a microsecond. cast() is thread-safe.
 #pragma once
 
 #include <array>
@@ -21,13 +21,13 @@ struct Ray {
   Vec3 direction{1.0, 0.0, 0.0};
 };
 
-/// A ray prepared for its intersection with triangles, by its main axis and the shear that turns the ray into that
-/// axis. In double precision and watertight: a ray through the common edge of two triangles meets at least one of them
+/// A ray prepared for intersection with triangles, by its main axis and the shear that maps the ray to that axis.
+/// Double precision and watertight: a ray through the common edge of two triangles meets at least one of them
 /// [Woop2013]. No fused multiply-add, so the range has the same bits on every host.
 class ShearedRay {
  public:
   explicit ShearedRay(const Ray& ray);
-  /// Distance from the origin to the triangle, from either side; nothing when the ray misses it, lies in its plane, or
+  /// Distance from the origin to the triangle, from either side. Empty if the ray misses it or is in its plane, or if
   /// the triangle has no area. Edges belong to the triangle.
   [[nodiscard]] std::optional<double> range_to(const std::array<Vec3, 3>& corners) const;
 
@@ -48,7 +48,7 @@ struct RayHit {
   friend bool operator==(const RayHit&, const RayHit&) = default;
 };
 
-/// How Embree is used.
+/// Options of Embree.
 struct RayCasterOptions {
   std::string embree_isa;  ///< sse2, sse4.2, avx, avx2 or avx512 forces one; empty lets Embree choose
 };
@@ -56,7 +56,7 @@ struct RayCasterOptions {
 /// Casts rays at one mesh.
 class RayCaster {
  public:
-  /// Throws UnavailableError when Embree cannot start, ConfigError for a mesh that triangulate() would not have made.
+  /// Throws UnavailableError if Embree cannot start, ConfigError for a mesh that triangulate() would reject.
   explicit RayCaster(TriangleMesh mesh, const RayCasterOptions& options = {});
 
   /// Empty if the ray meets no triangle within max_range_m (inclusive).

@@ -1,6 +1,5 @@
-// Parts of a simulated world: walls with doors and windows, boxes, cylinders and imported meshes, all of which become
-// triangles. Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe, linear in
-// the parts.
+// Parts of a simulated world: walls with doors and windows, boxes, cylinders and imported meshes; all become triangles.
+// Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe, linear in the parts.
 #pragma once
 
 #include <array>
@@ -21,10 +20,10 @@ using Vec3 = Eigen::Vector3d;
 
 /// Largest absolute coordinate of a scene. The padding of the ray caster's boxes depends on this limit.
 inline constexpr double kMaxCoordinate_m = 1000.0;
-/// A scene of more triangles than this is refused.
+/// Scenes with more triangles are refused.
 inline constexpr std::size_t kMaxTriangles = 8'000'000;
 
-/// Indexed triangles, in the order of the parts they came from.
+/// Indexed triangles in the order of their parts.
 struct TriangleMesh {
   std::vector<Vec3> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -35,7 +34,7 @@ struct TriangleMesh {
   }
 };
 
-/// A cuboid that stands upright, turned about its centre.
+/// An upright cuboid, rotated about its centre.
 struct Box {
   Point2 centre_m{0.0, 0.0};
   Point2 size_m{1.0, 1.0};
@@ -44,7 +43,7 @@ struct Box {
   double height_m = 1.0;
 };
 
-/// An upright cylinder, built as a prism whose corners lie on the circle.
+/// An upright cylinder, approximated by a prism with corners on the circle.
 struct Cylinder {
   Point2 centre_m{0.0, 0.0};
   double radius_m = 0.1;
@@ -55,24 +54,22 @@ struct Cylinder {
 
 /// The wing of a door, hinged at one jamb in the middle of the wall's thickness.
 struct DoorLeaf {
-  double angle_rad = 0.0;     ///< 0 is shut; positive opens to the left of the leg's direction
+  double angle_rad = 0.0;     ///< 0: shut; positive: opens to the left of the leg's direction
   bool hinge_at_far = false;  ///< the hinge is at the jamb further along the leg
   double thickness_m = 0.04;
 };
 
-/// A gap in one leg of a wall. The wall continues above a gap that is lower than the wall, and below the sill of a
-/// window.
+/// A gap in one leg of a wall. The wall continues above a gap that is lower than the wall, and below a window's sill.
 struct Door {
   std::size_t leg = 0;  ///< leg i goes from point i to point i + 1
   double from_m = 0.0;  ///< along the leg, from its first point
   double width_m = 0.9;
   double height_m = 2.1;  ///< upper edge over the wall's base
-  double sill_m = 0.0;    ///< lower edge over the wall's base; above 0 it is a window
+  double sill_m = 0.0;    ///< lower edge above the wall's base; if positive, a window
   std::optional<DoorLeaf> leaf{};
 };
 
-/// A wall along a polyline, half of its thickness on either side. Legs overlap at the corners so that they leave no
-/// gap.
+/// A wall along a polyline, with half its thickness on either side. Legs overlap at the corners to leave no gap.
 struct Wall {
   std::vector<Point2> points_m;
   bool is_closed = false;
@@ -86,7 +83,7 @@ struct Wall {
   }
 };
 
-/// Everything that stands in a scene.
+/// All parts of a scene.
 struct Scene {
   std::vector<Wall> walls;
   std::vector<Box> boxes;
@@ -96,15 +93,15 @@ struct Scene {
   std::optional<double> ceiling_m;   ///< height of a ceiling over everything
 };
 
-/// Faults of a part, one sentence each; empty when it can be built.
+/// Faults of a part, one sentence each; empty if it can be built.
 std::vector<std::string> validate(const Box& box);
 std::vector<std::string> validate(const Cylinder& cylinder);
 std::vector<std::string> validate(const Wall& wall);
 
-/// The boxes that make up a wall: pieces between the doors, lintels and door leaves.
+/// The boxes of a wall: pieces between the doors, lintels and door leaves.
 std::vector<Box> boxes_of(const Wall& wall);
 
-/// The place of an imported mesh in the scene.
+/// Placement of an imported mesh in the scene.
 struct MeshPlacement {
   double scale = 1.0;  ///< metres per unit of the file
   bool y_is_up = false;
@@ -118,8 +115,8 @@ struct MeshPlacement {
 TriangleMesh placed_mesh(std::span<const std::array<float, 3>> vertices,
                          std::span<const std::array<std::uint32_t, 3>> triangles, const MeshPlacement& placement);
 
-/// The whole scene as triangles. Throws ConfigError for a part that validate() refuses, a coordinate that is not finite
-/// or too far out, a scene without any triangle or with too many.
+/// Converts the whole scene to triangles. Throws ConfigError for a part with faults, a coordinate that is not finite or
+/// too far out, a scene without triangles or with too many.
 TriangleMesh triangulate(const Scene& scene);
 
 }  // namespace gdtslam::sim

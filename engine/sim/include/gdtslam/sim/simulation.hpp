@@ -1,6 +1,6 @@
 // A robot drives through a scene and records the measurements of its wheels and its laser, together with the truth. The
-// same configuration gives the same bits on every host. Each kind of error draws from its own stream of random numbers,
-// a scan's from one named by its number. Cost: a ray cast per beam. One run belongs to one thread.
+// same configuration gives the same bits on every host. Each kind of error has its own stream of random numbers, and so
+// has each scan by its number. Cost: a ray cast per beam. One run belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -26,41 +26,41 @@ struct SimulationConfig {
   WheelModel wheels;
   double scan_rate_hz = 10.0;
   double odometry_rate_hz = 20.0;  ///< 0: no odometry between the scans
-  /// A scan's stamp, and with it odometry and truth, is that of its first beam, as in ROS; else that of its middle. Not
-  /// with a laser that nods.
+  /// Stamp of a scan, its odometry and its truth: that of the first beam, as in ROS; else that of the middle. Not for a
+  /// nodding laser.
   bool stamps_first_beam = false;
-  /// A laser that nods. Its mount's height, mirror rate and stamp share must be those of the laser, see match_laser().
+  /// A nodding mount. Its height, mirror rate and stamp share must equal those of the laser, see match_laser().
   std::optional<NoddingModel> nodding{};
   std::uint64_t seed = 1;
 };
 
-/// Sets the values that the nodding mount and the laser share to the laser's.
+/// Copies the laser's values that the nodding mount shares.
 void match_laser(SimulationConfig& config);
 
-/// Every violation, one sentence each, opened by its part: "laser: ...", "wheels: ...", "recording: ...", "nodding:
+/// Every violation, one sentence each, prefixed with its part: "laser: ...", "wheels: ...", "recording: ...", "nodding:
 /// ..."
 std::vector<std::string> validate(const SimulationConfig& config);
 
-/// A scan as it is recorded, with the truth.
+/// A recorded scan with its truth.
 struct SimulatedScan {
   ScanRecord record;
   Pose2 T_map_base;                       ///< the truth, at the scan's stamp
-  double elevation_rad = 0.0;             ///< 0 unless the laser nods
-  double crank_turns = 0.0;               ///< 0 unless the laser nods; from tick 0
+  double elevation_rad = 0.0;             ///< 0 without nodding
+  double crank_turns = 0.0;               ///< from tick 0; 0 without nodding
   std::vector<BeamTruth> beams;           ///< hit of each beam
-  const NoddingCourse* course = nullptr;  ///< the mount's true motion, while the sink is called; null without one
+  const NoddingCourse* course = nullptr;  ///< the mount's true motion, valid during the sink's call; null without one
 };
 
-/// Takes the records in the order of their time; odometry comes before the encoder and that before a scan of the same
-/// time.
+/// Receives the records in the order of time; at the same time odometry comes before the encoder, and the encoder
+/// before a scan.
 struct SimulationSink {
   std::function<void(const SimulatedScan&)> scan;
   std::function<void(const Odometry&)> odometry;
   std::function<void(const Encoder&)> encoder{};  ///< may be empty
-  std::function<bool(double share)> keep_on;      ///< asked after each scan with the share done; false ends the run
+  std::function<bool(double share)> keep_on;      ///< called after each scan with the share done; false ends the run
 };
 
-/// Counts over a simulation.
+/// Totals of a simulation.
 struct SimulationSummary {
   std::size_t scans = 0;
   std::size_t odometry_records = 0;
@@ -69,19 +69,19 @@ struct SimulationSummary {
   std::size_t beams = 0;
   double duration_s = 0.0;
   double path_m = 0.0;
-  bool is_whole = true;  ///< false when the sink ended it
+  bool is_whole = true;  ///< false if the sink ended it
 };
 
 /// The true pose of the robot's centre.
 Pose2 base_pose(const WheelModel& wheels, const MotionState& state);
 
-/// Throws ConfigError for a drive of more than 100,000,000 records: a few words of a scene may ask for a log that no
-/// disk holds.
+/// Throws ConfigError for a drive of more than 100,000,000 records, because a short scene can request a log that fits
+/// no disk.
 void require_few_records(const SimulationConfig& config, double duration_s);
 
-/// Stamps begin at 0 and are whole microseconds. With a nodding mount the first scan comes half of a scan's duration
-/// later and the encoder sends messages until after the last one, so that its course covers every beam. Throws
-/// ConfigError if validate() or require_few_records() refuse the configuration.
+/// Stamps begin at 0 and are whole microseconds. With a nodding mount the first scan comes half a scan's duration
+/// later, and encoder messages continue until after the last scan, so that they cover every beam. Throws ConfigError if
+/// validate() or require_few_records() refuse the configuration.
 SimulationSummary run_simulation(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
                                  const SimulationSink& sink);
 

@@ -1,5 +1,5 @@
-// Wheel encoders with errors, and the odometry that a robot computes from their ticks by equation (5) of the paper.
-// Metres of travel of the left and the right wheel; poses of the robot's centre. Constant time. Not thread-safe.
+// Wheel encoders with errors, and the robot's odometry from their ticks by equation (5) of the paper. Metres of travel
+// of the left and the right wheel; poses of the robot's centre. Constant time. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@ namespace gdtslam::sim {
 
 /// Two driven wheels with encoders, and their errors.
 struct WheelModel {
-  DifferentialDrive drive;         ///< the drive that the robot believes to have
-  double track_width_scale = 1.0;  ///< true track width over the believed one
-  double left_scale = 1.0;         ///< travel that the encoder sees over true travel: a systematic error
+  DifferentialDrive drive;         ///< the drive that the odometry assumes
+  double track_width_scale = 1.0;  ///< true track width over the assumed one
+  double left_scale = 1.0;         ///< travel measured by the encoder over true travel: a systematic error
   double right_scale = 1.0;
   double slip_m_per_sqrt_m = 0.0;  ///< standard deviation of the wheel's travel over ground after 1 m; a random walk
   double ticks_per_m = 5000.0;
@@ -26,18 +26,18 @@ struct WheelModel {
 /// Every violation, one sentence each.
 std::vector<std::string> validate(const WheelModel& wheels);
 
-/// The counts of both encoders.
+/// Counts of both encoders.
 struct WheelTicks {
   std::int64_t left = 0;
   std::int64_t right = 0;
   friend bool operator==(const WheelTicks&, const WheelTicks&) = default;
 };
 
-/// Counts the turns of the wheels in ticks. The size of the errors does not depend on how often it is read.
+/// Counts wheel turns in ticks. The size of the errors does not depend on the number of readings.
 class WheelEncoders {
  public:
   WheelEncoders(const WheelModel& wheels, const Random& random);
-  /// True travel of both wheels since the last call.
+  /// Adds the true travel of both wheels since the last call.
   void advance(double left_m, double right_m);
   [[nodiscard]] WheelTicks ticks() const;
 
@@ -51,7 +51,7 @@ class WheelEncoders {
   double right_m_ = 0.0;
 };
 
-/// The pose computed from the ticks, starting at the origin.
+/// Pose from the ticks, starting at the origin.
 class WheelOdometer {
  public:
   explicit WheelOdometer(const WheelModel& wheels) : wheels_(wheels) {}

@@ -14,7 +14,7 @@ namespace {
 
 using page::Json;
 
-// Places as they were matched: those that count, each from where the robot was when it was measured.
+// Valid points as they were matched, each seen from the robot's pose at its time.
 Json points_description(const ShownScan& shown) {
   Json points = Json::array();
   if (!shown.T_map_base) return points;

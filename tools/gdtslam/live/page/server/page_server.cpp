@@ -1,4 +1,4 @@
-// The page by libwebsockets: one thread answers requests of HTTP.
+// The page's server by libwebsockets: one thread answers HTTP requests.
 #include <fmt/format.h>
 #include <libwebsockets.h>
 
@@ -26,8 +26,8 @@ namespace {
 
 using PageClock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kWatched{3};  // since somebody asked for a scan
-// The drive needs descriptors too, and a process usually has 1,024: further visitors wait, or are sent away.
+constexpr std::chrono::seconds kWatched{3};  // after the last request for a scan
+// The drive needs descriptors too, and a process usually has 1,024: further visitors wait or are refused.
 constexpr unsigned kMostConnections = 128;
 
 std::string random_name() {
@@ -35,7 +35,7 @@ std::string random_name() {
   return fmt::format("{:08x}{:08x}", random(), random());
 }
 
-/// Whole, however long: a header that fits nowhere must not pass for none.
+/// Returns the whole header of any length: a header that is too long must not pass for a missing one.
 std::string header_text(lws* connection, lws_token_indexes name) {
   const int size = lws_hdr_total_length(connection, name);
   if (size <= 0) return {};
@@ -79,7 +79,7 @@ class PageServer final : public LivePage {
   std::string title_;
   std::array<lws_protocols, 2> protocols_{};
   lws_context* context_ = nullptr;
-  std::map<lws*, std::string> bodies_;  // that wait to be written; the thread's
+  std::map<lws*, std::string> bodies_;  // waiting to be written; used by the thread
   std::atomic<PageClock::time_point> asked_{PageClock::time_point{}};
   std::atomic<bool> is_ending_ = false;
   // Shared by all threads, under the lock:
@@ -131,7 +131,7 @@ void PageServer::show(ShownScan scan) {
   scan_ = std::move(scan);
 }
 
-// A map that is there before the first scan says where the page's frame lies: its numbers have 24 bits.
+// A map before the first scan defines the page's frame, because its numbers have 24 bits.
 void PageServer::show(const OccupancyMap& map, const Trajectory& path) {
   PageDrive drive;
   {
@@ -146,7 +146,7 @@ void PageServer::show(const OccupancyMap& map, const Trajectory& path) {
 }
 
 std::optional<Answer> PageServer::answer_for(std::string_view path) {
-  constexpr std::string_view kScan = "/scan/";  // and the number of the scan that is known
+  constexpr std::string_view kScan = "/scan/";  // followed by the number of the scan that the page has
   const std::lock_guard lock(mutex_);
   if (path == "/") return Answer{.body = live_page_text(drive_, title_), .type = "text/html; charset=utf-8"};
   if (path == "/map" && drive_.map > 0) return Answer{.body = map_, .is_compressed = true};
