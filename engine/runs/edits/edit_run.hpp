@@ -1,7 +1,6 @@
-// Turns, crops, cleans and georeferences the map of a run; the work of `gdtslam edit`. The run itself is not changed:
-// its keyframes are moved and all outputs made from them, so that no picture is turned and blurred. The same bytes on
-// every run. One call belongs to one thread. Cost: reading the logs and casting their scans, then some 0.5 ms a
-// keyframe.
+// Turns, crops, cleans and georeferences the map of a run (`gdtslam edit`). The run itself is not changed: its
+// keyframes are moved and all outputs made from them, so that turning blurs no picture. The same bytes on every run.
+// One call belongs to one thread. Cost: reading the logs and casting their scans, then some 0.5 ms a keyframe.
 #pragma once
 
 #include <cstddef>
