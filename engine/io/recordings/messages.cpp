@@ -93,7 +93,7 @@ ScanMessage scan_without_ranges(MessageCursor& cursor) {
   return scan;
 }
 
-/// Drivers divide by the number of steps, which is wrong for a scan of one beam or none.
+/// Drivers divide by the number of steps, which makes bearings not finite for a scan of one beam or none.
 void check_bearings(ScanMessage& scan) {
   const std::size_t beams = scan.ranges_m.size();
   if (beams == 0 && !std::isfinite(scan.first_bearing_rad)) scan.first_bearing_rad = 0.0;
