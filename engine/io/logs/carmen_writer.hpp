@@ -15,7 +15,7 @@ namespace gdtslam {
 
 class CarmenWriter {
  public:
-  /// As many decimals as read back as the same number, for ranges, poses and stamps.
+  /// Enough decimals to read back the same number, for ranges, poses and stamps.
   static constexpr int kAsNeeded = -1;
   /// Ranges are written with this many decimals, 0 to 9; `host`: name of the computer, one word.
   explicit CarmenWriter(int range_decimals, std::string host = "simulated")

@@ -42,7 +42,7 @@ std::string_view MessageCursor::take_aligned(std::size_t size) {
 double MessageCursor::time() {
   const double seconds = encoding_ == MessageEncoding::kCdr ? static_cast<double>(whole<std::int32_t>())
                                                             : static_cast<double>(whole<std::uint32_t>());
-  constexpr double kParts = 1.0e9;  // as a divisor, so that 600,000,000 gives the double nearest to 0.6
+  constexpr double kParts = 1.0e9;  // used as a divisor, so that 600,000,000 gives the double nearest to 0.6
   return seconds + static_cast<double>(whole<std::uint32_t>()) / kParts;
 }
 

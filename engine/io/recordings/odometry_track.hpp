@@ -21,7 +21,7 @@ class OdometryTrack {
   /// A step longer than this, and than kLeapSteps usual steps, is a leap: the next pose decides whether it is right.
   static constexpr double kLeap_s = 1.0;
   static constexpr double kLeapSteps = 5.0;
-  /// Nothing is interpolated across a gap longer than this and than kLeapSteps usual steps.
+  /// No interpolation across a gap longer than this and than kLeapSteps usual steps.
   static constexpr double kMostGap_s = 10.0;
 
   enum class Taken : std::uint8_t {

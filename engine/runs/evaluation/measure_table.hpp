@@ -26,7 +26,7 @@ struct Measurement {
   std::uint64_t points = 0;
   std::optional<Point3> viewpoint;
   ViewpointSource viewpoint_source = ViewpointSource::kNone;
-  bool has_boxes = false;  ///< boxes were asked for
+  bool has_boxes = false;  ///< boxes were requested
   bool has_planes = false;
   bool is_projection = false;
   std::vector<MeasuredBox> boxes;

@@ -224,7 +224,7 @@ std::string quantity_text(double value, Unit unit) {
   return unit == Unit::kMetre ? exact_length_text(value) : format_quantity(value, unit);
 }
 
-// A YAML scalar that is text whatever it contains.
+// A YAML scalar that always reads back as text.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {

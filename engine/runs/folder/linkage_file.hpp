@@ -1,5 +1,5 @@
-// Linkage files describe how a laser nods, as YAML (`gdtslam_linkage: 1`): bars, assembly, encoder, elevation, mount,
-// laser (docs/formats.md). Every message has file and line. Thread-safe; linear in the file.
+// Linkage files: how a laser nods, as YAML (`gdtslam_linkage: 1`): bars, assembly, encoder, elevation, mount, laser
+// (docs/formats.md). Every message has file and line. Thread-safe; linear in the file.
 #pragma once
 
 #include <array>
@@ -26,14 +26,13 @@ struct LinkageFile {
   std::vector<ParameterSigma> uncertainty;  ///< in the file's order; empty if the file states none
 };
 
-/// Throws FileError when the file cannot be read, else ConfigError with file, line, what is wrong and what to do.
+/// Throws FileError if the file cannot be read, else ConfigError with file, line, fault and advice.
 LinkageFile read_linkage_file(const std::string& file);
 /// The same from text; messages name `file`.
 LinkageFile read_linkage_text(const std::string& text, const std::string& file);
 /// The model alone.
 calib::SweepModel read_linkage(const std::string& file);
-/// Reads the preset of that name, else the file. Throws like read_linkage(); FileError with the nearest preset's name
-/// if it is neither.
+/// Reads a preset by name, else a file. Throws like read_linkage(); FileError with the nearest preset if it is neither.
 calib::SweepModel resolve_linkage(const std::string& name_or_path);
 
 /// The file that resolve_linkage() would read; empty for a preset's name.

@@ -54,7 +54,7 @@ struct StepBounds {
   double angle_rad = 0.17453292519943295;     ///< 10 degrees
   double turn_rate_rad_s = 3.14159265358979;  ///< 180 degrees a second
   double longest_s = 2.0;                     ///< a longer pause allows no larger step
-  double unknown_s = 0.25;                    ///< assumed where the clock stood still or went backward
+  double unknown_s = 0.25;                    ///< assumed if the clock stood still or went backward
 };
 
 /// True if no robot moves that far in that time.

@@ -1,5 +1,5 @@
 // Opens a log of any supported kind. The kind is recognised by content, not by name. Memory is bounded by the longest
-// line (4 MiB) or message (16 MiB) allowed, whatever the log's length. One reader belongs to one thread.
+// line (4 MiB) or message (16 MiB) allowed, for any length of the log. One reader belongs to one thread.
 #pragma once
 
 #include <cstddef>
