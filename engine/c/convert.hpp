@@ -16,13 +16,13 @@
 #include "gdtslam/io/map_files.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 
-/// Cells in rows that nobody changes any more.
+/// Constant cells in rows.
 struct gdtslam_grid {
   gdtslam::GridGeometry geometry;
   std::variant<std::vector<std::uint16_t>, std::vector<std::uint8_t>> cells;
   std::uint32_t cap = 0;  ///< cap of a distance field; 0 for a map
 
-  /// Hash of a distance field, made when it is first asked for; any thread may ask.
+  /// Hash of a distance field, computed on the first call from any thread.
   mutable std::once_flag hashed{};
   mutable std::string sha256{};
 };
@@ -36,9 +36,9 @@ inline gdtslam_stamped_pose to_c(const StampedPose& pose) {
 }
 std::vector<gdtslam_stamped_pose> to_c(const Trajectory& trajectory);
 
-/// Throws UsageError, and InputError for bearings or a mount that are not finite. `what` names the call.
+/// Throws UsageError, and InputError if bearings or mount are not finite. `what` names the call.
 ScanRecord to_scan_record(const gdtslam_scan* scan, const char* what);
-/// The ranges stay those of the record.
+/// The ranges point into the record.
 gdtslam_scan to_c(const ScanRecord& record);
 
 std::unique_ptr<gdtslam_grid> make_grid(const DistanceFieldRows& field);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kTextBegin = offsetof(gdtslam_error, text);
 
-// At most so many bytes of the text, and no part of a character of several.
+// At most `most` bytes of the text, without cutting a character of several bytes.
 std::string_view cut_to(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   const auto continues = [&text](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U; };
@@ -22,12 +22,12 @@ std::string_view cut_to(std::string_view text, std::size_t most) {
   return text.substr(0, most);
 }
 
-// Takes no memory: there may be none.
+// Allocates no memory, because there may be none.
 gdtslam_status tell(gdtslam_error* error, gdtslam_status status, std::string_view text) noexcept {
   if (error == nullptr || error->size <= kTextBegin) return status;
   error->status = status;
   const std::string_view shown = cut_to(text, error->size - kTextBegin - 1);
-  char* const target = reinterpret_cast<char*>(error) + kTextBegin;  // may be longer than this version's
+  char* const target = reinterpret_cast<char*>(error) + kTextBegin;  // may be longer than in this version
   std::copy(shown.begin(), shown.end(), target);
   target[shown.size()] = '\0';
   return status;

@@ -1,5 +1,5 @@
-// The border between the library and C: no exception crosses it, each becomes a status with its text, and structs may
-// be of programs that were compiled with another gdtslam.h.
+// The border between the library and C: each exception becomes a status with its text, and structs may come from
+// programs compiled with another gdtslam.h.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 
 namespace gdtslam::c {
 
-/// Says that all is well.
+/// Sets the status to success.
 void clear(gdtslam_error* error) noexcept;
-/// The status of the exception in hand, which is told to the caller.
+/// Reports the current exception to the caller and returns its status.
 gdtslam_status caught(gdtslam_error* error) noexcept;
 
-/// Does the work; the status of what it throws.
+/// Does the work; returns the status of its exception, if any.
 template <class Work>
 gdtslam_status guarded(gdtslam_error* error, Work&& work) noexcept {
   try {
@@ -31,10 +31,10 @@ gdtslam_status guarded(gdtslam_error* error, Work&& work) noexcept {
   }
 }
 
-/// Throws UsageError where a pointer is NULL that must not be; `what` names it, "gdtslam_map_log: log".
+/// Throws UsageError if the pointer is NULL; `what` names it, "gdtslam_map_log: log".
 void require(const void* pointer, const char* what);
 
-/// The same for what a call gives back, which is NULL from then on until the call has something to give.
+/// The same for a result of a call, which is set to NULL until the call has one.
 template <class Handle>
 void require_result(Handle** result, const char* what) {
   require(static_cast<const void*>(result), what);
@@ -44,9 +44,9 @@ void require_result(Handle** result, const char* what) {
 /// "" for NULL.
 inline std::string to_text(const char* text) { return text == nullptr ? std::string() : std::string(text); }
 
-/// The request of a caller, whose struct may be of an older or a newer gdtslam.h: it states its size. Members that an
-/// older program does not have are 0; what a newer one has beyond ours must be 0, for it would be left out in silence.
-/// `least` is the size of what every version has. Throws UsageError.
+/// Reads a caller's request, whose struct may be of an older or a newer gdtslam.h: it states its size. Members that an
+/// older program lacks are 0. Additional members of a newer one must be 0, because they would be ignored silently.
+/// `least` is the size in the first version. Throws UsageError.
 template <class Struct>
 Struct read_struct(const Struct* given, std::size_t least, const char* what) {
   static_assert(std::is_trivially_copyable_v<Struct>);
@@ -66,7 +66,7 @@ Struct read_struct(const Struct* given, std::size_t least, const char* what) {
   return known;
 }
 
-/// Throws UsageError as read_struct() where write_struct() would.
+/// Throws UsageError if write_struct() would.
 template <class Struct>
 void require_writable(const Struct* target, const char* what) {
   if (target == nullptr) throw UsageError(std::string(what) + " is NULL");
@@ -76,8 +76,7 @@ void require_writable(const Struct* target, const char* what) {
   }
 }
 
-/// Fills in the members that the caller's version has; what it has beyond ours becomes 0. Throws UsageError as
-/// read_struct().
+/// Fills in the members of the caller's version; additional ones become 0. Throws UsageError like read_struct().
 template <class Struct>
 void write_struct(Struct value, Struct* target, const char* what) {
   static_assert(std::is_trivially_copyable_v<Struct>);
@@ -89,7 +88,7 @@ void write_struct(Struct value, Struct* target, const char* what) {
   std::memcpy(target, &value, std::min(size, sizeof(Struct)));
 }
 
-/// The size of a struct up to and with one of its members.
+/// The size of a struct up to and including one of its members.
 #define GDTSLAM_SIZE_WITH(type, member) (offsetof(type, member) + sizeof(type::member))
 
 }  // namespace gdtslam::c

@@ -26,5 +26,5 @@ const char* gdtslam_status_name(gdtslam_status status) {
 
 const char* gdtslam_doubt_name(int32_t doubt) {
   if (doubt < GDTSLAM_DOUBT_NONE || doubt > GDTSLAM_DOUBT_FAR) return "unknown doubt";
-  return gdtslam::to_string(static_cast<gdtslam::Doubt>(doubt)).data();  // a literal, which ends in 0
+  return gdtslam::to_string(static_cast<gdtslam::Doubt>(doubt)).data();  // a literal, so it ends in 0
 }

@@ -1,4 +1,4 @@
-// Scans found in a map, and a robot followed in it.
+// Finds scans in a map, and follows a robot in it.
 #include "engine/runs/localizer/run.hpp"
 
 #include <cmath>
@@ -31,7 +31,7 @@ struct gdtslam_tracker {
         backend(gdtslam::make_cpu_backend({})),
         tracker(shared->localizer, shared->config, *backend) {}
   std::shared_ptr<const gdtslam_localizer::Shared> shared;
-  std::unique_ptr<gdtslam::Backend> backend;  ///< one belongs to one thread
+  std::unique_ptr<gdtslam::Backend> backend;  ///< belongs to one thread
   gdtslam::RobotTracker tracker;
 };
 

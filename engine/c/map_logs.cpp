@@ -1,4 +1,4 @@
-// Whole logs: what the command `map` does.
+// Maps whole logs, as the command `map`.
 #include <limits>
 #include <memory>
 #include <string>
@@ -20,7 +20,7 @@ using namespace gdtslam::c;
 constexpr uint32_t kMapFlags = GDTSLAM_LENIENT | GDTSLAM_NO_LOOPS | GDTSLAM_NO_MAP | GDTSLAM_NO_PICTURES |
                                GDTSLAM_NO_CLOUD | GDTSLAM_REPLACE_FOREIGN;
 
-/// Tells the caller how far the work is, and whether he wants it to end.
+/// Reports progress to the caller, and asks whether to end.
 class Watcher {
  public:
   explicit Watcher(const gdtslam_map_request& request) : request_(request) {}
@@ -32,7 +32,7 @@ class Watcher {
     share_ = share;
     tell("scans", scans, share);
   }
-  /// Once more, where a signal interrupts a wait for the next one.
+  /// Repeats the last call, after a signal interrupts a wait for the next scan.
   bool wants_end_of_wait() {
     tell_scans(scans_, share_);
     return ended_;

@@ -17,7 +17,7 @@ struct gdtslam_mapper {
 
   std::unique_ptr<gdtslam::Backend> backend;
   std::unique_ptr<gdtslam::Mapper> mapper;
-  gdtslam::LoopClosing* loops = nullptr;  ///< its own, where it closes loops
+  gdtslam::LoopClosing* loops = nullptr;  ///< the mapper's, if it closes loops
   gdtslam::MapSpeed speed;
   bool is_closed = false;
   std::vector<gdtslam_stamped_pose> trajectory;
@@ -64,7 +64,7 @@ void close_loops(gdtslam_mapper& mapper, gdtslam_progress progress, void* user_d
   const ClosedPath path = mapper.loops->close(tell, [&ended] { return ended; });
   mapper.loops->finish_field();
   if (!path.is_closed) throw Error(ExitCode::kInterrupted, "interrupted; the path stays as it was driven");
-  // A scan whose processing failed late may be in the path alone.
+  // A scan whose processing failed late may be only in the path.
   const std::size_t scans = std::min(path.T_map_base.size(), mapper.trajectory.size());
   for (std::size_t k = 0; k < scans; ++k) {
     mapper.trajectory[k] = to_c(StampedPose{mapper.trajectory[k].stamp_s, path.T_map_base[k]});

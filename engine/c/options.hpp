@@ -1,4 +1,4 @@
-// The options of a caller as the configuration has them.
+// The options of a caller as a configuration.
 #pragma once
 
 #include <string>
@@ -17,16 +17,16 @@ struct gdtslam_options {
 
   gdtslam::Settings settings;
   std::vector<gdtslam::Option> table;  ///< rows for the settings above
-  std::string path, doc, value;        ///< that were last given out
+  std::string path, doc, value;        ///< last texts given to the caller
 };
 
 namespace gdtslam::c {
 
-/// The defaults for NULL. Throws ConfigError where they contradict each other or are out of their bounds.
+/// The defaults for NULL. Throws ConfigError if values contradict each other or are out of bounds.
 Settings read_settings(const gdtslam_options* options);
 
-/// Throws UsageError. As the command without --threads: one, and another one looks for loops; UINT32_MAX: one per
-/// processor.
+/// Throws UsageError. 0 is as the command without --threads: one, and another one that searches loops; UINT32_MAX: one
+/// per processor.
 struct ThreadChoice {
   unsigned count = 1;
   bool loops_beside = true;

@@ -1,4 +1,4 @@
-// Scans of logs with the odometry that belongs to them.
+// Scans of logs with their odometry.
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -14,15 +14,14 @@
 
 namespace gdtslam::c {
 
-/// Who has opened a reader: asked, where a signal interrupts the wait for a pipe, whether that goes on.
+/// The caller of a reader, asked whether a wait for a pipe continues after a signal.
 class ReaderCaller {
  public:
   explicit ReaderCaller(const gdtslam_reader_request& request)
       : progress_(request.progress), user_data_(request.user_data) {}
 
   /// Returns the result of the work, which may wait. If the caller ends the wait, or throws, the log seems to end
-  /// there, perhaps in the middle of a scan. Nothing is read from it any more then: throws Error(kInterrupted), now and
-  /// later.
+  /// there, perhaps in the middle of a scan. Then nothing more is read: this and later calls throw Error(kInterrupted).
   template <class Work>
   auto unless_interrupted(std::uint64_t scans, const Work& work) {
     const AskedAfterSignals asked([this, scans] { return wants_end(scans); });
@@ -31,7 +30,7 @@ class ReaderCaller {
       auto result = work();
       refuse_where_interrupted();
       return result;
-    } catch (const Error& problem) {  // perhaps of a log that ends too early
+    } catch (const Error& problem) {  // perhaps because the log ends too early
       if (problem.code() != ExitCode::kInterrupted) refuse_where_interrupted();
       throw;
     }
@@ -65,7 +64,7 @@ struct gdtslam_reader {
   gdtslam::c::ReaderCaller caller;
   gdtslam::ScanStream scans;
   gdtslam::ScanRecord last;
-  std::vector<gdtslam::LogReader::Warning> warnings;  ///< the warnings that were last given out
+  std::vector<gdtslam::LogReader::Warning> warnings;  ///< the warnings last given to the caller
 };
 
 namespace {
@@ -120,7 +119,7 @@ gdtslam_status gdtslam_reader_next(gdtslam_reader* reader, gdtslam_scan* scan, i
     require(has_scan, "gdtslam_reader_next: has_scan");
     *has_scan = 0;
     require(reader, "gdtslam_reader_next: reader");
-    require_writable(scan, "gdtslam_reader_next: scan");  // before a scan is read that it has no room for
+    require_writable(scan, "gdtslam_reader_next: scan");  // checked before a scan is read that would not fit
     std::optional<ScanRecord> record =
         reader->caller.unless_interrupted(reader->scans.scans_read(), [reader] { return reader->scans.next(); });
     if (!record) return;

@@ -1,4 +1,4 @@
-// The folder of a run, read when it is asked for, by several threads at once.
+// The folder of a run, read on demand, also by several threads at once.
 #pragma once
 
 #include <mutex>
@@ -15,7 +15,7 @@ struct gdtslam_run {
   gdtslam::RunReader reader;
   std::string report;
   std::string trajectory_sha256;
-  /// Stays where it is once it was asked for, or made; under the lock.
+  /// Does not move once it was read or made; under the lock.
   std::optional<std::vector<gdtslam_stamped_pose>> trajectory;
   std::mutex mutex;
 };

@@ -7,7 +7,7 @@
 
 namespace gdtslam {
 
-/// At the end of a text. Pieces whose lengths are multiples of three, but for the last, give the text of the whole.
+/// Appends to a text. Pieces give the text of the whole if all lengths but the last are multiples of three.
 void append_base64(std::span<const std::byte> bytes, std::string& out);
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// Sums and products of doubles with what rounding takes away, by additions and multiplications alone. Thread-safe,
+// Sums and products of doubles with their rounding errors, by additions and multiplications alone. Thread-safe,
 // constant time.
 #pragma once
 
@@ -10,20 +10,20 @@ struct HighLow {
   double low;
 };
 
-/// a + b and what the addition rounds off; |a| >= |b| or a = 0 [Dekker1971].
+/// a + b and its rounding error; |a| >= |b| or a = 0 [Dekker1971].
 inline HighLow fast_two_sum(double a, double b) {
   const double sum = a + b;
   return {sum, b - (sum - a)};
 }
 
-/// a + b and what the addition rounds off [Knuth1998].
+/// a + b and its rounding error [Knuth1998].
 inline HighLow two_sum(double a, double b) {
   const double sum = a + b;
   const double b_part = sum - a;
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-/// a * b and what the product rounds off [Dekker1971]; both below 2^996.
+/// a * b and its rounding error [Dekker1971]; both below 2^996.
 inline HighLow two_product(double a, double b) {
   constexpr double kSplitter = 0x1p27 + 1.0;
   const double a_big = kSplitter * a;

@@ -17,7 +17,7 @@ namespace shader {
 inline std::int32_t floatBitsToInt(float value) { return std::bit_cast<std::int32_t>(value); }
 inline float intBitsToFloat(std::int32_t bits) { return std::bit_cast<float>(bits); }
 
-// The build turns contraction off, which is what `precise` asks of a shader compiler.
+// The build turns contraction off, as `precise` does in a shader compiler.
 #define precise
 #include "elementary.glsl"
 #undef precise
@@ -35,7 +35,7 @@ struct ReducedAngle {
   std::uint64_t quadrant;
 };
 
-// Cody and Waite [Cody1980]: n pi/2 is taken away piece by piece, the products with the pieces are exact.
+// Cody and Waite [Cody1980]: n pi/2 is subtracted piece by piece; the products with the pieces are exact.
 ReducedAngle reduce_small(double angle_rad) {
   constexpr double kTwoOverPiRounded = 0x1.45f306dc9c883p-1;
   constexpr double kShift = 0x1.8p52;
@@ -49,8 +49,8 @@ ReducedAngle reduce_small(double angle_rad) {
   if (std::fabs(high) > 0x1p-10 || n == 0.0) {
     return {high, excess + n * kHalfPiParts[2], quadrant};
   }
-  // Close to a multiple of pi/2 the third and the fourth piece count, too, and each difference keeps what it rounds
-  // off.
+  // Close to a multiple of pi/2 the third and the fourth piece also count, and each difference keeps its rounding
+  // error.
   const HighLow closer = two_sum(high, -n * kHalfPiParts[2]);
   const double rest = (closer.low - excess) - n * kHalfPiParts[3];
   const double sum = closer.high + rest;
@@ -93,8 +93,8 @@ struct QuarterTurns {
   std::array<std::uint64_t, 3> fraction{};
 };
 
-// Payne and Hanek [Payne1983]: of 2/pi only the bits count that meet the mantissa between 4 quarter turns and the last
-// bit wanted.
+// Payne and Hanek [Payne1983]: only those bits of 2/pi count that meet the mantissa between 4 quarter turns and the
+// last wanted bit.
 QuarterTurns quarter_turns(double angle_rad) {
   const std::uint64_t pattern = std::bit_cast<std::uint64_t>(angle_rad);
   const std::uint64_t mantissa = (pattern & 0x000FFFFFFFFFFFFFU) | 0x0010000000000000U;
@@ -277,7 +277,7 @@ double atan2_upper(double y, double x) {
   return sum.high + (sum.low + (octant.base.low + octant.sign * angle.low));
 }
 
-// atan2 where a zero or an infinity is among the arguments; y >= 0 by sign.
+// atan2 with a zero or an infinity among the arguments; y >= 0 by sign.
 double atan2_upper_special(double y, double x) {
   const bool is_left = std::signbit(x);
   if (std::isinf(x) && std::isinf(y)) {

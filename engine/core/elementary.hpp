@@ -11,11 +11,11 @@ struct SinCos {
   T cos;
 };
 
-/// sin and cos of an angle in radians; at most 1 ulp off for every finite angle, NaN for what is not finite. Above 2e5
-/// the reduction takes about five times as long.
+/// sin and cos of an angle in radians; at most 1 ulp off for every finite angle, else NaN. Above 2e5 the reduction
+/// takes about five times as long.
 SinCos<double> sin_cos(double angle_rad);
 /// Single precision, the same source as the shaders (shaders/common/elementary.glsl) and branch-free; at most 1 ulp off
-/// for |angle| <= 64, the error grows beyond. NaN for what is not finite.
+/// for |angle| <= 64, beyond that the error grows. NaN if the angle is not finite.
 SinCos<float> sin_cos(float angle_rad);
 
 /// Angle of (x, y) in [-pi, pi]; zeros, infinities and NaN as in IEEE 754; at most 1 ulp off.

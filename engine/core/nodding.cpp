@@ -16,7 +16,7 @@ constexpr std::uint32_t kMostBits = 20;
 
 Eigen::Quaterniond rotation_about(const Eigen::Vector3d& axis, double angle_rad) { return exp_so3(axis * angle_rad); }
 
-// The k of 2^k + 1 values; more than kMostBits when there is none.
+// The k of 2^k + 1 values; more than kMostBits if there is none.
 std::uint32_t index_bits(std::size_t count) {
   std::uint32_t bits = 0;
   while (bits <= kMostBits && (std::size_t{1} << bits) + 1 != count) ++bits;

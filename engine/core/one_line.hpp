@@ -1,4 +1,4 @@
-// Text from outside within messages: one line, printable, short. Thread-safe.
+// Foreign text for messages: one line, printable, short. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace gdtslam {
 
-/// The text with '?' for everything that is no printable ASCII; cut at `limit` characters.
+/// The text with '?' for everything except printable ASCII; cut at `limit` characters.
 inline std::string one_line(std::string_view text, std::size_t limit = 200) {
   std::string shown;
   for (const char c : text.substr(0, limit)) {

@@ -1,4 +1,4 @@
-// Poses of the plane, and what turns them: angles, and the drive of a robot.
+// Poses of the plane, angles, and the drive of a robot.
 #include "gdtslam/core/pose.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ Point2 rotate_back(const SinCos<double>& angle, double x, double y) {
   return {angle.cos * x + angle.sin * y, angle.cos * y - angle.sin * x};
 }
 
-/// sin(a)/a with the sine and the cosine of the same angle: what an arc and its chord have in common.
+/// sin(a)/a with the sine and the cosine of the same angle, for an arc and its chord.
 struct HalfTurn {
   double sin = 0.0;
   double cos = 1.0;
@@ -60,8 +60,8 @@ Pose2 inverse(const Pose2& T_a_b) {
   return {-turned.x(), -turned.y(), wrap_angle(-T_a_b.theta_rad)};
 }
 
-// The translations are subtracted before they are turned, which is exact where it matters: for two poses close together
-// and far from the origin.
+// The translations are subtracted before they are turned, which is exact for two poses close together and far from the
+// origin.
 Pose2 between(const Pose2& T_w_a, const Pose2& T_w_b) {
   const Point2 turned = rotate_back(sin_cos(T_w_a.theta_rad), T_w_b.x_m - T_w_a.x_m, T_w_b.y_m - T_w_a.y_m);
   return {turned.x(), turned.y(), wrap_angle(T_w_b.theta_rad - T_w_a.theta_rad)};

@@ -24,7 +24,7 @@ Vector3d vector_part(const Quaterniond& q) { return {q.x(), q.y(), q.z()}; }
 
 Quaterniond conjugate(const Quaterniond& q) { return {q.w(), -q.x(), -q.y(), -q.z()}; }
 
-// Rounding moves a product off the unit sphere a little; left alone, that grows along a chain of poses.
+// Rounding moves a product slightly off the unit sphere; without normalisation that grows along a chain of poses.
 Quaterniond normalized(const Quaterniond& q) {
   const double length = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
   return {q.w() / length, q.x() / length, q.y() / length, q.z() / length};
@@ -50,8 +50,8 @@ struct ScrewFactors {
   double twice;  ///< (a - sin a) / a^3
 };
 
-// Both are used times a^2, so that what the closed form of the second loses to cancellation is one rounding of the
-// result; the series only keeps it away from 0/0.
+// Both are used times a^2, so cancellation in the closed form of the second costs only one rounding of the result. The
+// series only avoids 0/0.
 ScrewFactors screw_factors(double angle_rad) {
   const double sq_angle = angle_rad * angle_rad;
   const double half = angle_rad == 0.0 ? 0.5 : sin_cos(0.5 * angle_rad).sin / angle_rad;

@@ -19,8 +19,8 @@ inline double quantile_of_sorted(std::span<const double> ascending, double share
   return ascending[below] + (place - static_cast<double>(below)) * (ascending[above] - ascending[below]);
 }
 
-/// One of the values, of which there is at least one: the last that has no more than that share of the others before
-/// it. It changes the order of the values. O(n).
+/// One of at least one values: the last that has no more than that share of the others before it. Changes the order of
+/// the values. O(n).
 inline double value_at_share(std::vector<double>& values, double share) {
   assert(!values.empty() && share >= 0.0 && share <= 1.0);
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -28,8 +28,8 @@ inline double value_at_share(std::vector<double>& values, double share) {
   return *at;
 }
 
-/// The middle value of at least one, the upper one of the two where there are evenly many. It changes the order of the
-/// values. O(n).
+/// The middle one of at least one values, the upper one of two for an even number. Changes the order of the values.
+/// O(n).
 inline double upper_median(std::vector<double>& values) {
   assert(!values.empty());
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

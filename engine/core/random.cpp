@@ -76,8 +76,8 @@ double Random::normal() {
   return u * scale;
 }
 
-// From the key and not from the state, so that draws made before the split do not move the stream either. Both steps
-// are one-to-one: two streams of one generator never share a seed.
+// Derived from the key and not from the state, so that earlier draws do not change the stream. Both steps are
+// one-to-one: two streams of one generator never share a seed.
 Random Random::split(std::uint64_t stream) const {
   std::uint64_t key = key_;
   std::uint64_t mixed = splitmix64(key) ^ stream;

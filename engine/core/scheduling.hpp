@@ -1,5 +1,5 @@
-// How the system's scheduler is to treat a thread: hints, without which everything goes on as it is. A policy that the
-// user gave the program (chrt) stays. Linux.
+// Hints to the system's scheduler about threads; everything also works without them. A policy that the user set for the
+// program (chrt) stays. Linux.
 #pragma once
 
 #include <sched.h>
@@ -11,19 +11,20 @@
 
 namespace gdtslam {
 
-/// For threads that work beside the one that somebody waits for. From now on this thread, and those that it starts,
-/// wake up without taking the core from who is at work on it; their share of the time stays what it was.
+/// For background threads: from now on this thread, and threads that it starts, do not preempt a running thread when
+/// they wake up. Their share of the time stays the same.
 inline void run_in_background() {
   if (::sched_getscheduler(0) != SCHED_OTHER) return;
   const sched_param no_priority{};
   static_cast<void>(::sched_setscheduler(0, SCHED_BATCH, &no_priority));
 }
 
-/// For threads that somebody waits for, who work a little and then sleep: this thread, and those that it starts, ask
-/// for time in short pieces, and so get the core soon after they wake up. Linux from 6.12 on heeds it (EEVDF's slices).
+/// For threads that work briefly and then sleep while somebody waits for them: this thread, and threads that it starts,
+/// request short time slices and so get the core soon after they wake up. Supported from Linux 6.12 on (EEVDF's
+/// slices).
 inline void answer_promptly() {
   if (::sched_getscheduler(0) != SCHED_OTHER) return;
-  struct Attributes {  // argument of sched_setattr(2), in its first version
+  struct Attributes {  // argument of sched_setattr(2), first version
     std::uint32_t size = sizeof(Attributes), policy = SCHED_OTHER;
     std::uint64_t flags = 0;
     std::int32_t nice = 0;

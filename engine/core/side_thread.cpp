@@ -11,7 +11,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kWokenFor = 8;  // parts of the tasks that may wait: waking costs as much as a small task
+constexpr std::size_t kWokenFor = 8;  // wakes at this part of a full queue: waking costs as much as a small task
 
 }  // namespace
 

@@ -1,6 +1,6 @@
-// A thread that carries out one caller's tasks in the order in which they were given, while the caller goes on. What a
-// task throws is rethrown to the caller, and no task after it is begun. One caller. Cost: a lock a task; the thread is
-// woken once for many of them.
+// A thread that runs one caller's tasks in order while the caller continues. An exception of a task is rethrown to the
+// caller, and later tasks do not start. One caller. Cost: one lock for each task; the thread is woken once for many
+// tasks.
 #pragma once
 
 #include <condition_variable>
@@ -20,19 +20,18 @@ class SideThread {
  public:
   using Task = std::function<void()>;
 
-  /// At most so many tasks wait. Without a thread, or where the system has none to give, the caller's own carries each
-  /// task out when it is given.
+  /// At most `most_waiting` tasks wait. Without a thread, or if the system has none, give() runs each task itself.
   SideThread(bool has_thread, std::size_t most_waiting);
   SideThread(const SideThread&) = delete;
   SideThread& operator=(const SideThread&) = delete;
-  /// Drops the tasks that are not begun.
+  /// Drops tasks that have not started.
   ~SideThread();
 
-  /// Waits while as many wait as may. Rethrows what a task threw before.
+  /// Waits while the queue is full. Rethrows an exception of an earlier task.
   void give(Task task);
-  /// Waits until all that was given is done; rethrows what a task threw. The thread has ended then.
+  /// Waits until all tasks are done and ends the thread; rethrows an exception of a task.
   void finish();
-  /// That the thread spent, from its beginning to its end; 0 before, and where there was none.
+  /// CPU time of the thread once it has ended; 0 before, and without a thread.
   [[nodiscard]] double cpu_s() const { return cpu_s_; }
 
  private:

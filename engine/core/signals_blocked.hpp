@@ -1,4 +1,4 @@
-// While it lives, threads that are started block all signals: handlers run in the program's own threads.
+// While it lives, new threads start with all signals blocked, so that handlers run in the program's own threads.
 #pragma once
 
 #include <pthread.h>

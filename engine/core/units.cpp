@@ -126,7 +126,7 @@ std::optional<double> refuse(std::string* why, std::string reason) {
   return std::nullopt;
 }
 
-// A quoted text in a file may hold anything.
+// A quoted text from a file may contain anything.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kMostShown = 48;
   return "'" + one_line(text, kMostShown) + "'";
@@ -183,7 +183,7 @@ std::optional<double> parse_quantity(std::string_view text, Unit unit, std::stri
 
 namespace {
 
-// "5 cm, 5 m": the number with a small and a large unit, or nothing where there is one unit only.
+// "5 cm, 5 m": the number with a small and a large unit; empty if there is only one unit.
 std::string examples_with_units(std::string_view number, Unit unit) {
   const std::string text(number);
   switch (unit) {
@@ -218,7 +218,7 @@ std::string shortest(double value) {
   return {buffer.data(), error == std::errc{} ? end : buffer.data()};
 }
 
-// A round number of degrees is an endless one of radians; empty where degrees would not read back as the same bits.
+// A round number of degrees has endless decimals in radians. Empty if degrees would not read back as the same bits.
 std::string in_degrees(double angle_rad) {
   constexpr double kDecimals = 1e6;
   const double angle_deg = std::round(deg_from_rad(angle_rad) * kDecimals) / kDecimals;

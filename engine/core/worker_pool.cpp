@@ -10,7 +10,7 @@
 namespace gdtslam {
 namespace {
 
-/// Slices a thread, so that one that is held up leaves its share to others.
+/// Slices for each thread, so that others take over the share of a delayed one.
 constexpr std::uint64_t kSlicesPerThread = 4;
 constexpr unsigned kMostThreads = 1024;
 
@@ -25,7 +25,7 @@ WorkerPool::WorkerPool(unsigned threads) {
   workers_.reserve(threads);
   try {
     while (workers_.size() + 1 < threads) workers_.emplace_back([this] { work(); });
-  } catch (const std::system_error&) {  // the workers so far do the work
+  } catch (const std::system_error&) {  // the workers started so far do the work
     return;
   } catch (const std::bad_alloc&) {
     return;

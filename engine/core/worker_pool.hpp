@@ -1,6 +1,6 @@
-// A persistent pool of threads that share out a range of indices. Which thread takes which slice depends on the load;
-// what a slice computes must not, and then results do not depend on the number of threads. One caller at a time. Cost:
-// some microseconds a range to wake the threads; none where there is only the caller's.
+// A persistent pool of threads that share a range of indices. The load decides which thread takes which slice. The
+// result of a slice must not depend on that; then results do not depend on the number of threads. One caller at a time.
+// Cost: some microseconds for a range to wake the threads; none with only the caller's thread.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@ namespace gdtslam {
 
 class WorkerPool {
  public:
-  /// `threads` in all, the caller's included; fewer where the system has no more to give.
+  /// `threads` in all, including the caller's; fewer if the system has no more.
   explicit WorkerPool(unsigned threads);
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -24,8 +24,8 @@ class WorkerPool {
 
   /// The work on indices from begin to end, the end not included.
   using Body = std::function<void(std::uint64_t begin, std::uint64_t end)>;
-  /// Calls body on disjoint slices of [0, count), each but the last a multiple of `grain`, and waits for all. Of what
-  /// slices throw one is rethrown; slices that were not begun by then are left out.
+  /// Calls body on disjoint slices of [0, count), each but the last a multiple of `grain`, and waits for all. Rethrows
+  /// one exception of the slices; slices not yet started are then left out.
   void run(std::uint64_t count, std::uint64_t grain, const Body& body);
 
   [[nodiscard]] unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
@@ -51,7 +51,7 @@ class WorkerPool {
   std::vector<std::thread> workers_;
 };
 
-/// The number asked for, or of processors where that is 0.
+/// The requested number, or the number of processors if it is 0.
 unsigned threads_meant(unsigned asked);
 
 }  // namespace gdtslam

@@ -22,14 +22,14 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 16;
-constexpr mode_t kNewFileMode = 0666;  // the umask takes away what the user does not want
+constexpr mode_t kNewFileMode = 0666;  // the umask removes permissions
 
 std::string parent_folder(const std::string& file) {
   const std::string folder = fs::path(file).parent_path().string();
   return folder.empty() ? "." : folder;
 }
 
-// A pipe waits for its reader, who may never come: a signal ends that.
+// Opening a pipe waits for a reader, which may never come; a signal ends the wait.
 int open_pipe_or_device(const std::string& path) {
   for (;;) {
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
@@ -61,7 +61,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   open_temporary();
   struct stat old {};
   if (::stat(target_.c_str(), &old) == 0 && ::fchmod(descriptor_, old.st_mode & 07777U) != 0) {
-    errno = 0;  // the file belongs to someone else: it gets the usual permissions of a new one
+    errno = 0;  // another user's file gets the usual permissions of a new one
   }
 }
 
@@ -101,7 +101,7 @@ void AtomicFile::write_through(const char* data, std::size_t size) {
     const ssize_t count = ::write(descriptor_, data, size);
     if (count < 0 && errno != EINTR) fail("cannot be written", errno);
     const std::size_t written = count < 0 ? 0 : static_cast<std::size_t>(count);
-    // A pipe's reader may let it wait as well, which a signal cuts short.
+    // A write to a pipe may also wait for its reader; a signal ends that wait.
     if (written < size && temporary_.empty() && is_asked_to_end())
       throw Error(ExitCode::kInterrupted, "interrupted while '" + path_ + "' was written");
     data += written;
@@ -193,7 +193,7 @@ void copy_file_atomically(const std::string& from, const std::string& to) {
   AtomicFile copy(to);
   std::vector<char> piece(kPieceBytes);
   while (const std::size_t count = source->read(piece)) copy.write(std::string_view(piece.data(), count));
-  std::error_code ignored;  // a file system may know no permissions
+  std::error_code ignored;  // a file system may have no permissions
   fs::permissions(copy.written_path(), fs::status(from, ignored).permissions(), ignored);
   copy.commit();
 }

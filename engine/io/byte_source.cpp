@@ -23,10 +23,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr int kSignalLook_ms = 200;  // a signal may come between the look at its flag and the wait
+constexpr int kSignalLook_ms = 200;  // a signal may come between the check of its flag and the wait
 
-// Whether a descriptor has bytes, its end or an error to give, before the time is up. Else whoever wants this thread to
-// end was asked.
+// True if a descriptor has bytes, its end or an error before the time is up. Else it has checked for a request to end.
 bool has_something(int descriptor) {
   pollfd waited{.fd = descriptor, .events = POLLIN, .revents = 0};
   const int count = ::poll(&waited, 1, kSignalLook_ms);
@@ -83,7 +82,7 @@ class FileSource final : public ByteSource {
 
   std::string name_;
   int descriptor_ = -1;
-  bool is_file_ = false;  // that has what it has; else a pipe, a terminal or another device, which may let it wait
+  bool is_file_ = false;  // a plain file; else a pipe, a terminal or another device, which may wait
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;
 };
@@ -147,7 +146,7 @@ Error no_writer(const std::string& path) {
   return {ExitCode::kInterrupted, "interrupted while '" + path + "' had no writer, or one that gave nothing"};
 }
 
-// Opening a pipe waits for its writer, and a signal just before that would not end it: so what waits is a poll.
+// Opening a pipe would wait for its writer, and a signal just before would not end that wait; so poll waits.
 int open_pipe(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return descriptor;
@@ -165,7 +164,7 @@ int open_pipe(const std::string& path) {
 
 }  // namespace
 
-// A pipe that comes after the end gives nothing: nobody waits for its writer.
+// After a request to end, a pipe gives nothing, without a wait for its writer.
 int open_to_read(const std::string& path) {
   std::error_code ignored;
   const bool is_pipe = std::filesystem::is_fifo(path, ignored);
@@ -222,7 +221,7 @@ std::string read_all(ByteSource& source, std::size_t limit, const std::string& n
 }
 
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name) {
-  if (kept <= kKeptPerFileByte * std::min(from_disk, kMostCounted)) return;  // the variable is not asked for in vain
+  if (kept <= kKeptPerFileByte * std::min(from_disk, kMostCounted)) return;  // the variable is read only if needed
   const std::uint64_t free = free_kept_bytes();
   if (kept <= free || (kept - free) / kKeptPerFileByte <= from_disk) return;
   throw InputError({name, 0},

@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-/// from_chars leaves the value alone when it is out of range; the sign of the exponent tells which side.
+/// from_chars sets no value for a number out of range; the sign of the exponent decides between infinity and zero.
 double out_of_range_value(const char* begin, const char* end) {
   const bool negative = *begin == '-';
   bool tiny = false;
@@ -30,7 +30,7 @@ double out_of_range_value(const char* begin, const char* end) {
 
 const char* parse_double(const char* begin, const char* end, double& value) {
   if (begin != end && *begin == '+') {
-    ++begin;  // from_chars knows no plus sign
+    ++begin;  // from_chars accepts no plus sign
     if (begin == end || *begin == '-' || *begin == '+') {
       return nullptr;
     }

@@ -5,12 +5,11 @@
 
 namespace gdtslam {
 
-/// Parses a number that starts at `begin`; stops at the first character that is no part of it. Signs, exponents, "inf"
-/// and "nan" are understood. Returns where it stopped, or nullptr when there is no number. Values beyond the range of
-/// double become infinity or zero.
+/// Parses a number that starts at `begin`, with signs, exponents, "inf" and "nan". Returns the first character after
+/// it, or nullptr if there is no number. Values beyond the range of double become infinity or zero.
 const char* parse_double(const char* begin, const char* end, double& value);
 
-/// The same for a signed integer; nullptr also when it does not fit.
+/// The same for a signed integer; nullptr also if it does not fit.
 const char* parse_int64(const char* begin, const char* end, std::int64_t& value);
 
 }  // namespace gdtslam

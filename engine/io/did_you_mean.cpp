@@ -7,7 +7,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMaxLength = 128;  // nobody misspells a longer name into one of ours
+constexpr std::size_t kMaxLength = 128;  // longer names are not misspelt ones of ours
 
 /// Insertions, deletions, replacements and swaps of neighbours between two names (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -50,7 +50,7 @@ std::optional<std::string_view> nearest_name(std::string_view name, std::span<co
     const std::string_view compared = is_bare ? last_part(candidate) : candidate;
     const std::size_t limit = std::max<std::size_t>(1, std::max(name.size(), compared.size()) / 3);
     std::size_t distance = edit_distance(name, compared);
-    // The right name in the wrong section is near too.
+    // The right name in the wrong section also counts as near.
     if (!is_bare && last_part(name) == last_part(candidate)) distance = std::min(distance, limit);
     if (distance <= limit && (!nearest || distance < nearest_distance)) {
       nearest = candidate;

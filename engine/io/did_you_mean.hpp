@@ -10,11 +10,11 @@
 
 namespace gdtslam {
 
-/// The nearest of the names, the first of equals; nothing when none resembles (more than a third of the letters
-/// differ). The part after the last dot is compared on its own too, so "resolution" finds "map.resolution".
+/// The nearest of the names, the first of equals; none if more than a third of the letters differ. The part after the
+/// last dot is also compared on its own, so "resolution" finds "map.resolution".
 std::optional<std::string_view> nearest_name(std::string_view name, std::span<const std::string_view> names);
 
-/// "; did you mean 'name'?" with the nearest of the names, or nothing when none resembles.
+/// "; did you mean 'name'?" with the nearest of the names, or empty if none is near.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& names);
 
 }  // namespace gdtslam

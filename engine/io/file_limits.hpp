@@ -1,4 +1,4 @@
-// Limits on the cost of reading one file, whatever the file states about itself. docs/formats.md lists these numbers
+// Limits on the cost of reading one file, independent of the file's own statements. docs/formats.md lists these numbers
 // for users.
 #pragma once
 
@@ -20,23 +20,22 @@ inline constexpr std::size_t kMaxSceneParts = 200'000;
 /// The largest mesh of a scene.
 inline constexpr std::uint64_t kMaxMeshBytes = std::uint64_t{512} << 20U;
 
-/// Packed data may hold the same byte a thousand times over. What is kept of a file, in memory or in a temporary file,
-/// may be this much, and so many bytes more for each byte that was read from the disk: any file that is not packed, and
-/// packed ones of measured values, stay far below. The variable GDTSLAM_UNPACKED_MIB sets another amount, for whoever
-/// knows the file.
+/// Packed data may expand a thousand times. Data kept from a file, in memory or in a temporary file, may have this many
+/// bytes plus a number for each byte read from the disk. Plain files, and packed measured values, stay far below. The
+/// variable GDTSLAM_UNPACKED_MIB sets another amount for a known file.
 inline constexpr std::uint64_t kFreeKeptBytes = std::uint64_t{256} << 20U;
 inline constexpr std::uint64_t kKeptPerFileByte = 32;
 inline constexpr const char* kFreeKeptVariable = "GDTSLAM_UNPACKED_MIB";
 
-/// Throws InputError when `kept` bytes are too many for a file of which `from_disk` bytes were read;
-/// ConfigError where the variable is no whole number of MiB from 1 to 1,048,576.
+/// Throws InputError if `kept` bytes are too many for a file after reading `from_disk` bytes; ConfigError if the
+/// variable is no whole number of MiB from 1 to 1,048,576.
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name);
 
 /// Data computed from a file and kept beside it, such as tables of a map, may be this many times the free amount above.
 inline constexpr std::uint64_t kDerivedPerFree = 16;
 
-/// The same for `derived` bytes that would be made of such a file, to be asked before they are allocated; `what` begins
-/// the message: "searching in the map", say.
+/// The same for `derived` bytes computed from such a file; call it before the allocation. `what` begins the message,
+/// for example "searching in the map".
 void check_derived_bytes(std::uint64_t derived, std::uint64_t from_disk, const std::string& name,
                          std::string_view what);
 

@@ -14,19 +14,19 @@
 namespace gdtslam {
 namespace {
 
-constexpr int kMostDepth = 16;  // report.json has 4 levels, which is the most of any file of ours
+constexpr int kMostDepth = 16;  // our deepest file, report.json, has 4 levels
 // report.json of a day of scans (288,000 at 10 Hz), all of them doubtful, has seven for each.
 constexpr std::size_t kMostValues = 2'500'000;
-// Objects that keep the order of their members look for each new one among those before: the largest of ours, a report,
-// has some forty, and 2.5 million values in objects of 256 take a second.
+// Ordered objects search all earlier members for each new one. Our largest, a report, has some forty; 2.5 million
+// values in objects of 256 take a second.
 constexpr std::size_t kMostMembers = 256;
 
-// Counts the values that the parser would make, without making them, even in text that is no JSON. Returns the limit
-// that is exceeded, or nothing.
+// Counts the values that the parser would make, without making them, even in invalid JSON. Returns the exceeded limit,
+// or an empty text.
 std::string find_excess(std::string_view text) {
   int depth = 0;
   std::array<std::size_t, kMostDepth + 1>
-      members{};  // number in the object that is open at each depth; lists have none
+      members{};  // number of members of the open object at each depth; lists have none
   std::size_t values = 1;
   bool is_quoted = false;
   for (std::size_t k = 0; k < text.size(); ++k) {
@@ -57,7 +57,7 @@ constexpr std::size_t kColumns = 120;
 
 // [1, 2] or {"a": 1}, and plain values.
 std::string on_one_line(const Json& value) {
-  // In ASCII: a terminal obeys some letters.
+  // In ASCII, because a terminal obeys some control characters.
   if (!value.is_structured()) return value.dump(-1, ' ', true, Json::error_handler_t::replace);
   std::string text = value.is_object() ? "{" : "[";
   for (auto entry = value.begin(); entry != value.end(); ++entry) {
@@ -74,7 +74,7 @@ bool is_list_of_plain(const Json& value) {
   return value.is_array() && std::all_of(value.begin(), value.end(), is_plain);
 }
 
-// An entry of a list that says all it has in one line.
+// True for a list's entry that fits in one line.
 bool is_row(const Json& value) {
   return is_list_of_plain(value) || (value.is_object() && std::all_of(value.begin(), value.end(), [](const Json& part) {
                                        return is_plain(part) || is_list_of_plain(part);

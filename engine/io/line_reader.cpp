@@ -5,7 +5,7 @@
 
 namespace gdtslam {
 namespace {
-// Small at first, for what is short, and doubled while reads fill it.
+// Small at first for short inputs, and doubled while reads fill it.
 constexpr std::size_t kInitialBytes = std::size_t{1} << 13U;
 constexpr std::size_t kUsualBytes = std::size_t{1} << 18U;
 }  // namespace

@@ -24,26 +24,26 @@ class LineReader {
   LineReader(std::unique_ptr<ByteSource> source, std::size_t max_line_bytes);
   /// The next line, or nothing at the end. After a line that is too long, the next call skips its rest.
   std::optional<TextLine> next();
-  /// Goes past lines without any byte at the current position, at the speed of memory, and returns the number of the
-  /// last line so far. Waits for bytes of a live source as next() does.
+  /// Skips empty lines at the current position, at the speed of memory, and returns the number of the last line so far.
+  /// Waits for bytes of a live source as next() does.
   std::uint64_t skip_empty_lines();
   /// The bytes from the current position, without consuming them: at least a line or `bytes` bytes, less only at the
-  /// end. Asks a live source for no more than that.
+  /// end. Reads no more than that from a live source.
   std::string_view peek(std::size_t bytes);
-  /// The next `count` bytes as they are, valid until the next call; nullptr where the input ends before.
+  /// The next `count` raw bytes, valid until the next call; nullptr if the input ends before.
   const char* bytes(std::size_t count) {
     const char* const data = peek_bytes(count);
     if (data != nullptr) begin_ += count;
     return data;
   }
-  /// The same without going on.
+  /// The same without consuming them.
   const char* peek_bytes(std::size_t count) {
     while (end_ - begin_ < count) {
       if (!fill()) return nullptr;
     }
     return buffer_.data() + begin_;
   }
-  /// Up to `most` bytes that there are; empty at the end.
+  /// Up to `most` available bytes; empty at the end.
   std::string_view some(std::size_t most);
   [[nodiscard]] const ByteSource& source() const { return *source_; }
 
@@ -55,7 +55,7 @@ class LineReader {
   std::unique_ptr<ByteSource> source_;
   std::size_t max_line_bytes_;
   std::vector<char> buffer_;
-  bool is_filled_ = false;  ///< by the last read: there is more to come
+  bool is_filled_ = false;  ///< the last read filled the buffer: there may be more
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::uint64_t line_number_ = 0;

@@ -10,7 +10,7 @@
 
 namespace gdtslam {
 
-/// The whole number in the bytes, of which there must be enough.
+/// The whole number at the start of the bytes, which must be enough.
 template <class Whole>
 Whole little_endian(const char* bytes) {
   std::make_unsigned_t<Whole> value = 0;

@@ -1,6 +1,6 @@
-// Contents of a log beside its records: the kinds of its lines or, in a recording, its topics, frames and clocks, and
-// which of them are used for a map. Metres, radians, seconds. Memory is bounded, whatever the log's length. One log
-// belongs to one thread.
+// Contents of a log apart from its records: the kinds of its lines or, in a recording, its topics, frames and clocks,
+// and their use for a map. Metres, radians, seconds. Memory is bounded for any length of the log. One log belongs to
+// one thread.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace gdtslam {
 
-/// Lines of a text log that begin with the same word, or rows of a table that say the same thing.
+/// Lines of a text log with the same first word, or rows of a table of the same kind.
 struct LineKind {
   std::string name{};
   std::uint64_t count = 0;
@@ -51,15 +51,15 @@ class LineCounter {
 enum class TopicUse : std::uint8_t { kNone, kScans, kOdometry, kFrames, kCrank };
 
 /// The delay from the stamps of messages to their times of receipt: receipt minus stamp. Quantiles of up to 512
-/// messages, evenly over those that were read.
+/// messages, evenly over the messages read.
 struct TopicDelay {
-  std::uint64_t messages = 0;  ///< with a stamp
+  std::uint64_t messages = 0;  ///< messages with a stamp
   double median_s = 0.0;
   double low_s = 0.0;   ///< a twentieth is below
   double high_s = 0.0;  ///< a twentieth is above
 };
 
-/// The least and the largest number that messages of a topic have: of a joint the position, of the first one.
+/// The least and the largest number in messages of a topic; for joints, the position of the first one.
 struct TopicNumbers {
   double least = 0.0;
   double most = 0.0;
@@ -76,18 +76,18 @@ struct TopicContents {
   std::vector<std::string> frames{};  ///< a few frames of the headers
   TopicUse can_be = TopicUse::kNone;
   TopicUse use = TopicUse::kNone;
-  std::string why{};  ///< it is used, or not
+  std::string why{};  ///< reason for its use or non-use
   std::optional<TopicDelay> delay{};
   std::optional<TopicNumbers> numbers{};
-  std::vector<std::string> joints{};  ///< names, a few
+  std::vector<std::string> joints{};  ///< a few names
 
-  /// Messages a second, by their receipt; 0 where that cannot be told.
+  /// Messages a second, by their receipt; 0 if that is not known.
   [[nodiscard]] double rate_hz() const {
     return messages > 1 && last_s > first_s ? static_cast<double>(messages - 1) / (last_s - first_s) : 0.0;
   }
 };
 
-/// One step of the tree of frames, by the transforms of the recording.
+/// One link of the tree of frames, from the transforms of the recording.
 struct FrameLink {
   std::string parent{};
   std::string child{};
@@ -96,7 +96,7 @@ struct FrameLink {
   std::uint64_t messages = 0;
   double first_s = 0.0;  ///< receipt of the first transform, and of the last one
   double last_s = 0.0;   ///< receipt of the last transform
-  double x_m = 0.0;      ///< the last transform, here and below: points of the child in the parent
+  double x_m = 0.0;      ///< the last transform, also below: points of the child in the parent
   double y_m = 0.0;
   double z_m = 0.0;
   double roll_rad = 0.0;
@@ -109,7 +109,7 @@ struct FrameLink {
   }
 };
 
-/// Who says where a laser sits on the robot.
+/// Source of a laser's mount on the robot.
 enum class MountSource : std::uint8_t { kStated, kFrames, kUnknown };
 
 struct LaserContents {
@@ -122,27 +122,27 @@ struct LaserContents {
 struct LogContents {
   std::string format{};  ///< "ROS 1 bag"
   bool is_recording = false;
-  std::vector<LineKind> lines{};        ///< for text logs, in the order in which they were met
+  std::vector<LineKind> lines{};        ///< for text logs, in the order of their first lines
   std::vector<TopicContents> topics{};  ///< for recordings, by name
-  std::uint64_t topics_left_out = 0;    ///< beyond those that are told
+  std::uint64_t topics_left_out = 0;    ///< topics beyond the limit
   std::vector<FrameLink> frames{};      ///< by child
   std::vector<LaserContents> lasers{};  ///< the lasers that are read, by their numbers
   std::string odometry{};               ///< its topic; empty: none
-  std::string odometry_why{};           ///< it is that one
+  std::string odometry_why{};           ///< reason for that topic
   std::string odometry_frame{};
   std::string base_frame{};                      ///< the odometry's child
   std::optional<double> odometry_clock_shift{};  ///< added to its stamps; not 0 if clocks differ
   std::optional<double> crank_clock_shift{};     ///< added to the crank's stamps
 };
 
-/// A log that tells what it has, as far as it was read.
+/// A log that describes its contents, as far as it was read.
 class DescribedLog : public LogReader {
  public:
   [[nodiscard]] virtual LogContents contents() const = 0;
 };
 
-/// open_log() for those who want to know what is there. With ReadOptions::survey all topics of a recording are looked
-/// at, and one that has several topics with scans, or none, is no error: of several that of the first scan is read.
+/// open_log() with a description of the contents. With ReadOptions::survey all topics of a recording are examined.
+/// Several topics with scans, or none, are then no error: of several, the topic of the first scan is read.
 std::unique_ptr<DescribedLog> open_described_log(const std::string& path, const ReadOptions& options);
 
 }  // namespace gdtslam

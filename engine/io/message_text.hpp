@@ -1,4 +1,4 @@
-// Text from files and from the system within messages: one line, printable, short. Thread-safe.
+// Text from files and from the system for messages: one line, printable, short. Thread-safe.
 #pragma once
 
 #include <string>

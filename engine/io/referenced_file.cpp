@@ -27,7 +27,7 @@ std::string referenced_path(const std::string& referrer, const std::string& name
 
 std::string fault_of_reference(const std::string& referrer, const std::string& name) {
   constexpr std::size_t kMostBytes = 4096;
-  // Messages quote the path, and stay one line of readable text.
+  // Messages quote the path, so it must be readable text of one line.
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
   if (name.size() > kMostBytes || std::any_of(name.begin(), name.end(), is_control)) {
     return in_quotes(name) + " is no name of a file";
@@ -45,7 +45,7 @@ std::string fault_of_reference(const std::string& referrer, const std::string& n
     return in_quotes(name) +
            " is an absolute name, of which the last part counts; no such file lies in the folder of this file";
   }
-  if (error) return {};  // the message of opening it names the missing file
+  if (error) return {};  // opening it reports the missing file
   const fs::path parent = fs::path(referrer).parent_path();
   const fs::path folder = fs::canonical(parent.empty() ? fs::path(".") : parent, error);
   if (error || !is_below(path, folder)) return leads_out;

@@ -1,4 +1,4 @@
-// Finds oddities of a scan compared with the one before. One object belongs to one thread.
+// Finds oddities of a scan compared with the previous one. One object belongs to one thread.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,4 @@
-// SHA-256 [FIPS2015] by OpenSSL's libcrypto, to say in one line that two results are the same bytes. Not thread-safe;
-// O(n).
+// SHA-256 [FIPS2015] by OpenSSL's libcrypto, to compare results by one line. Not thread-safe; O(n).
 #pragma once
 
 #include <cstddef>
@@ -24,7 +23,7 @@ class Sha256 {
   Sha256();
   Sha256& update(std::span<const std::byte> data);
   Sha256& update(std::string_view text);
-  /// Numbers as little-endian bytes, whatever the host.
+  /// Adds numbers as little-endian bytes on every host.
   Sha256& update(double value);
   Sha256& update(std::int32_t value);
   Sha256& update(std::uint16_t value);
@@ -42,8 +41,8 @@ struct HashedBytes {
   std::string sha256;
   std::uint64_t bytes = 0;
 };
-/// The hash of a whole source, in constant memory. `before_piece` is called before each piece; if it throws nothing
-/// more is read. Throws FileError.
+/// The hash of a whole source, in constant memory. Calls `before_piece` before each piece; if it throws, reading stops.
+/// Throws FileError.
 HashedBytes sha256_of(ByteSource& source, const std::function<void()>& before_piece = {});
 HashedBytes sha256_of_file(const std::string& path, const std::function<void()>& before_piece = {});
 

@@ -1,5 +1,4 @@
-// Logs that are lines of text: their warnings, what becomes of a line that cannot be read, and their end. One log
-// belongs to one thread.
+// Logs of text lines: warnings, handling of malformed lines, and the end of the log. One log belongs to one thread.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,8 +25,8 @@ namespace gdtslam {
 /// The longest line that is read; a longer one is malformed.
 inline constexpr std::size_t kMaxLogLineBytes = std::size_t{4} << 20U;
 
-/// The kind of a file, by its first line or the first behind comments, and what to do: "is a PNG picture, not a log;
-/// give ...". Empty if the line is not known.
+/// The kind of a file, by its first line without comments, and what to do: "is a PNG picture, not a log; give ...".
+/// Empty if the line is not known.
 std::string fault_of_foreign_line(std::string_view line);
 
 /// "; give a CARMEN, CSV, JSON lines, ROS bag or MCAP log".
@@ -56,7 +55,7 @@ class TextLog : public DescribedLog {
     return line;
   }
 
-  /// Some editors begin a text with U+FEFF.
+  /// Removes U+FEFF, with which some editors begin a text.
   static std::string_view without_byte_order_mark(const TextLine& line) {
     constexpr std::string_view kMark = "\xef\xbb\xbf";
     return line.number == 1 && line.text.starts_with(kMark) ? line.text.substr(kMark.size()) : line.text;
@@ -78,7 +77,7 @@ class TextLog : public DescribedLog {
                                    [this](std::string_view kind, std::string_view detail) { warn(kind, detail); });
   }
 
-  /// A line that cannot be read: the end of a log that was cut, an error, or one to skip. `subject` is what it is.
+  /// Handles a malformed line: the end of a cut log, an error, or a line to skip. `subject` names the line.
   void refuse(const TextLine& line, const std::string& subject, const std::string& reason) {
     if (!line.has_newline && !line.is_too_long) {
       warn("cut last line", reason);
@@ -92,7 +91,7 @@ class TextLog : public DescribedLog {
     }
   }
 
-  /// Behind the last line; InputError with the fault where there was none that could be read.
+  /// Call after the last line; InputError with the fault if no line could be read.
   void finish(const std::string& fault_of_none) {
     if (std::exchange(is_finished_, true)) return;
     const std::string defect = lines_.source().defect();

@@ -33,7 +33,7 @@ struct UnpackStep {
   const char* fault = nullptr;  ///< the fault of the data; null if there is none
 };
 
-/// A library that unpacks one stream after the other.
+/// A library that unpacks streams in sequence.
 class Unpacker {
  public:
   Unpacker() = default;
@@ -41,7 +41,7 @@ class Unpacker {
   Unpacker& operator=(const Unpacker&) = delete;
   virtual ~Unpacker() = default;
   virtual UnpackStep run(std::span<char> packed, std::span<char> target) = 0;
-  /// Begins another stream, behind the end of one.
+  /// Begins another stream after the end of one.
   virtual void restart() {}
 };
 
@@ -114,7 +114,7 @@ class XzUnpacker final : public Unpacker {
     }
     return step;
   }
-  void restart() override {  // liblzma takes over the memory of the stream before
+  void restart() override {  // liblzma reuses the memory of the previous stream
     if (lzma_stream_decoder(&stream_, kMostUnpackerBytes, 0) != LZMA_OK) throw std::bad_alloc();
   }
 
@@ -122,7 +122,7 @@ class XzUnpacker final : public Unpacker {
   lzma_stream stream_ = LZMA_STREAM_INIT;
 };
 
-class ZstdUnpacker final : public Unpacker {  // its window is at most 128 MiB, unless it is told otherwise
+class ZstdUnpacker final : public Unpacker {  // its default limit on the window is 128 MiB
  public:
   UnpackStep run(std::span<char> packed, std::span<char> target) override {
     ZSTD_inBuffer from{packed.data(), packed.size(), 0};
@@ -154,8 +154,8 @@ class Lz4Unpacker final : public Unpacker {
 
 /// In the order of StreamPacking.
 struct PackingFormat {
-  std::string_view name;          ///< also of the program that unpacks it
-  std::optional<char> beginning;  ///< first byte of every stream; if it is not stated the library finds out
+  std::string_view name;          ///< also the name of the program that unpacks it
+  std::optional<char> beginning;  ///< first byte of every stream; none: the library checks it
   std::unique_ptr<Unpacker> (*make)();
 };
 template <class T>
@@ -168,7 +168,7 @@ constexpr std::array<PackingFormat, 5> kPackingFormats{{{"gzip", '\x1f', make_un
                                                         {"zstd", std::nullopt, make_unpacker<ZstdUnpacker>},
                                                         {"lz4", std::nullopt, make_unpacker<Lz4Unpacker>}}};
 
-/// Pieces of packed bytes, streams one after the other, and what is wrong with the end.
+/// Unpacks streams in sequence, piece by piece, and notes the defect at the end.
 class UnpackSource final : public ByteSource {
  public:
   UnpackSource(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name)
@@ -205,7 +205,7 @@ class UnpackSource final : public ByteSource {
     return false;
   }
 
-  /// Behind a stream: another one, or bytes that are none, which the programs ignore too.
+  /// After a stream: begins another one, or ignores other bytes, as the programs do.
   bool begin_stream() {
     if (format_.beginning && piece_[begin_] != *format_.beginning) {
       is_over_ = true;
@@ -225,7 +225,7 @@ class UnpackSource final : public ByteSource {
   std::string name_;
   const PackingFormat& format_;
   std::unique_ptr<Unpacker> unpacker_;
-  std::array<char, kPackedPieceBytes> piece_;  // no zeros, which would take longer than a short stream
+  std::array<char, kPackedPieceBytes> piece_;  // not zeroed, which would take longer than a short stream
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   bool may_hold_more_ = false;

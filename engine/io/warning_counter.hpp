@@ -11,11 +11,11 @@
 
 namespace gdtslam {
 
-/// Warnings counted by kind, in the order in which the kinds were first met. The number of kinds is bounded, so that a
-/// hostile file cannot make the list grow.
+/// Warnings counted by kind, in the order of the first of each kind. The number of kinds is bounded, so that a hostile
+/// file cannot make the list grow.
 class WarningCounter {
  public:
-  /// `first` is kept of the first one only; make it cheap or call add_to first.
+  /// Keeps `first` only for the first warning of a kind; if it is expensive, call add_to() before.
   void add(std::string_view kind, const std::string& first, std::uint64_t count = 1) {
     if (!add_to(kind, count)) {
       const bool full = list_.size() >= kMaxKinds;
@@ -25,7 +25,7 @@ class WarningCounter {
       list_.push_back({std::string(full ? kOtherKinds : kind), count, first});
     }
   }
-  /// Counts a kind that is already there; false when it is not.
+  /// Counts a known kind; false for a new one.
   bool add_to(std::string_view kind, std::uint64_t count = 1) {
     for (LogReader::Warning& warning : list_) {
       if (warning.kind == kind) {

@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kDoubtfulShare = 10;  // one scan of so many
+constexpr std::size_t kDoubtfulShare = 10;  // one scan in this many
 
 bool has_stopped(const MapRequest& request) { return request.stop && request.stop(); }
 
@@ -22,7 +22,7 @@ void add(std::vector<LogFinding>& findings, const std::vector<LogFinding>& more)
   findings.insert(findings.end(), more.begin(), more.end());
 }
 
-// Runs without loops are compared with other programs, so nothing is measured for them.
+// Runs without loops are for comparison with other programs, so no delay is measured for them.
 bool is_motion_known(const MapRequest& request) {
   return !request.live_log && request.with_loops && are_plain_files(request.logs) &&
          request.settings.log.odometry_stamps == OdometryStamps::kMeasured;
@@ -42,7 +42,7 @@ std::optional<OdometryDelay> odometry_delay(const MapRequest& request, std::span
   return delay;
 }
 
-// So that all that reads the logs again takes the times that were found.
+// States the found times, so that every later reading of the logs uses them.
 void state_times(const ReadOptions& read, LogConfig& log) {
   if (!read.first_beam_after_s || !read.beam_period_s) return;
   log.beam_times = LogSource::kStated;

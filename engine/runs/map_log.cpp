@@ -38,7 +38,7 @@ std::string default_linkage_warning(NodKind kind, const NoddingJob& job) {
       job.model.mount.height_m);
 }
 
-// Takes the linkage that was given, else the file that lies beside the log, else the default.
+// Uses the given linkage, else the file beside the log, else the default.
 NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   NoddingJob job;
   job.kind = kind;
@@ -49,7 +49,8 @@ NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   if (is_default) job.linkage = calib::kDefaultLinkage;
   job.model = resolve_linkage(job.linkage);
   if (is_default && kind == NodKind::kTilt) {
-    job.model.mirror_rate_hz = 0.0;  // the preset's rate is that of another laser; nobody knows when its beams fire
+    job.model.mirror_rate_hz =
+        0.0;  // the preset's rate is that of another laser, and this laser's beam times are unknown
   }
   if (is_default && request.warn) request.warn(default_linkage_warning(kind, job));
   return job;
@@ -62,10 +63,10 @@ std::string no_crank_warning(const std::string& linkage) {
       linkage, ScanStream::kMostAhead);
 }
 
-// How the laser nods, by the log.
+// The kind of nodding messages at the start of the log.
 NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   if (request.scan_mapped) return NodKind::kNone;
-  // With a linkage the mount's messages may be late in the log; without one a live log is not kept waiting for them.
+  // With a linkage the mount's messages may come late in the log; without one a live log does not wait for them.
   const std::string beside = linkage_sidecar(request.logs.front());
   const bool has_linkage = !request.linkage.empty() || !beside.empty();
   const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
@@ -85,7 +86,7 @@ void require_not_stopped(const MapRequest& request) {
   throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
 }
 
-// The log of a run that is continued comes along.
+// True for a log that the run to be continued keeps; it is copied to the new run.
 bool is_of_continued_run(const MapRequest& request, const std::string& log) {
   return !request.continued.empty() && lies_in(request.continued, log);
 }
@@ -98,7 +99,7 @@ void require_logs_elsewhere(const MapRequest& request) {
   }
 }
 
-/// One run: from the logs of a request to its folder, step by step.
+/// One run from the logs of a request to its folder, step by step.
 class LogRun {
  public:
   LogRun(MapRequest request, const BackendOfRun& backend_of)
@@ -133,7 +134,7 @@ class LogRun {
   }
 
  private:
-  // Anew each time, as times of beams and the limit of ranges may be put right.
+  // Made anew each time, because times of beams and the limit of ranges may be corrected.
   [[nodiscard]] ReadOptions read_options() const { return read_options_of(request_.settings.log, request_.lenient); }
 
   std::unique_ptr<LogReader> open(std::size_t log) {
@@ -172,7 +173,7 @@ class LogRun {
       if (request_.progress) request_.progress(mapped, share);
     };
     result.outcome = run_->run(progress, [this] { return request_.stop && request_.stop(); });
-    times_.skip();  // its stages are in the outcome
+    times_.skip();  // the stages of mapping are in the outcome
     for (const auto& stream : streams_) {
       if (stream) stream->sync();
     }
@@ -198,7 +199,7 @@ class LogRun {
     return result;
   }
 
-  // The memory of what mapped is for the pictures, and for the tiles of a large map.
+  // Frees the mapper's memory for the pictures and for the tiles of a large map.
   WrittenField write_field(MapOutcome& outcome) {
     const auto end_mapping = [this] {
       run_.reset();
@@ -213,7 +214,7 @@ class LogRun {
     return field;
   }
 
-  // The cloud as a picture beside it. Without one, if nothing can draw, the run is as good.
+  // Draws the cloud as a picture. A run without one, if nothing can draw, is still complete.
   void write_cloud_picture(MapOutcome& outcome) {
     if (request_.draw_cloud && request_.with_cloud && request_.with_pictures && !outcome.interrupted) {
       try {
@@ -230,7 +231,7 @@ class LogRun {
     times_.add("write_cloud_picture");
   }
 
-  // continue.json, and the logs that nobody can read again.
+  // Writes continue.json, and the logs that nobody can read again.
   void write_inputs() {
     for (std::size_t log = 0; log < request_.logs.size(); ++log) {
       const std::string& name = request_.logs[log];
@@ -242,7 +243,7 @@ class LogRun {
     write_continue_file(folder_->staged(kContinueFile), asked_);
   }
 
-  // In the handler of what ended the run: the scans of streams cannot be had again.
+  // Called when an exception ends the run: nobody can read the scans of streams again.
   std::string keep_streams() {
     std::string text;
     for (std::size_t log = 0; log < streams_.size(); ++log) {
@@ -279,10 +280,10 @@ class LogRun {
   std::optional<OdometryDelay> delay_;
   std::unique_ptr<RunFolder> folder_;
   std::vector<std::shared_ptr<StreamFile>>
-      streams_;  ///< for each log the file that keeps it; null: it can be read again
+      streams_;  ///< for each log, the file that keeps it; null if it can be read again
   std::optional<NoddingJob> nodding_;
   std::unique_ptr<MapRun> run_;
-  std::uint64_t scans_ = 0;  ///< that were mapped
+  std::uint64_t scans_ = 0;  ///< mapped scans
 };
 
 }  // namespace
@@ -290,7 +291,7 @@ class LogRun {
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
   try {
     return LogRun(request.continued.empty() ? request : continued_request(request), backend).run();
-  } catch (const InputError& error) {  // an input that a signal ended before anything came is no bad input
+  } catch (const InputError& error) {  // an input that a signal ended before the first scan is not bad
     require_not_stopped(request);
     if (error.has_position()) throw;
     throw InputError(FilePosition{request.logs.empty() ? request.continued : log_name(request.logs.front()), 0},

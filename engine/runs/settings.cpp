@@ -17,7 +17,7 @@ std::vector<Option> option_table(calib::NodTrackLimits& limits) {
            Unit::kNone, 0.01, 1000.0, &limits.max_turns_per_s, kAdvanced}};
 }
 
-// The options that are no concern of the 2D system.
+// The options outside of the 2D mapper.
 std::vector<Option> options_besides_mapper(Settings& settings) {
   std::vector<Option> table = option_table(settings.occupancy);
   for (const std::vector<Option>& part : {option_table(settings.nodding), option_table(settings.nod_limits),

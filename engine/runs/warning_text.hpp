@@ -1,5 +1,5 @@
-// Warnings about skipped or mended parts of a log, and faults whose causes are known, one line each, which the
-// command prints and the C interface gives out.
+// Warnings about skipped or corrected parts of a log, and faults with known causes, as single lines for the command and
+// the C interface.
 #pragma once
 
 #include <fmt/format.h>

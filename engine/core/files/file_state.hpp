@@ -18,7 +18,7 @@ struct FileState {
   bool operator==(const FileState&) const = default;
 };
 
-/// The state of a file of that kind, S_IFREG or S_IFDIR, behind any links; nothing if there is none.
+/// The state of a file of that kind, S_IFREG or S_IFDIR, with links followed; none if there is no such file.
 inline std::optional<FileState> state_of_file(const std::filesystem::path& path, mode_t kind = S_IFREG) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || (status.st_mode & S_IFMT) != kind) return std::nullopt;

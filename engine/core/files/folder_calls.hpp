@@ -7,7 +7,7 @@
 
 namespace gdtslam {
 
-/// Whether a file, a folder or a link has this name, even if the link leads nowhere.
+/// True if a file, a folder or a link has this name, even if the link is broken.
 inline bool lies_there(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::exists(std::filesystem::symlink_status(path, ignored));

@@ -1,6 +1,5 @@
-// A system call once more where a signal interrupted it: the handlers of the command do not restart calls, so that
-// reading a pipe ends, and on a network's file system open and fsync may be interrupted too. Whoever wants to end looks
-// at the flag.
+// Repeats a system call that a signal interrupted. The handlers of the command do not restart calls, so that reading a
+// pipe ends; on a network file system open and fsync may be interrupted too. Code that wants to end checks the flag.
 #pragma once
 
 #include <unistd.h>
@@ -20,7 +19,7 @@ auto retried(const Call& call) {
   return result;
 }
 
-/// The whole text, in as many pieces as it takes; false with errno where it cannot be written.
+/// Writes the whole text, in several pieces if necessary; false with errno if it cannot be written.
 inline bool write_whole(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = retried([&] { return ::write(descriptor, text.data(), text.size()); });
@@ -30,12 +29,12 @@ inline bool write_whole(int descriptor, std::string_view text) {
   return true;
 }
 
-/// For destructors and threads, which let no exception through.
+/// For destructors and threads, which must not let exceptions out.
 template <typename Call>
 void without_throwing(const Call& call) noexcept {
   try {
     call();
-  } catch (const std::exception&) {  // the next call reports what lasts
+  } catch (const std::exception&) {  // the next call reports a lasting fault
     return;
   }
 }

@@ -5,7 +5,7 @@
 namespace gdtslam {
 
 void ByteShelf::put(std::initializer_list<std::span<const std::byte>> parts) {
-  std::uint64_t record_bytes = 0;  // behind this number
+  std::uint64_t record_bytes = 0;  // bytes after this number
   for (const std::span<const std::byte> part : parts) record_bytes += part.size();
   const std::size_t bytes = sizeof record_bytes + record_bytes;
   if (!open_.empty() && open_.size() + bytes > page_bytes_) close_page();
@@ -29,7 +29,7 @@ void ByteShelf::close_page() {
   pages_.push_back(std::move(page));
 }
 
-// A long work does not end because a disk is full that only spares memory.
+// The disk only saves memory, so a full disk does not end a long run.
 bool ByteShelf::write(const Page& page) {
   if (!trouble_.empty()) return false;
   try {

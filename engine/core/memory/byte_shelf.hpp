@@ -1,6 +1,5 @@
-// Records that are not needed before the end of a long run, in the order in which they came. They stay in memory up to
-// a limit and go into a file without a name beyond it, so that memory does not grow with the run. Not thread-safe.
-// Cost: a copy each way.
+// Records that are not needed before the end of a long run, in order. Up to a limit they stay in memory, beyond it they
+// go to a file without a name, so that memory does not grow with the run. Not thread-safe. Cost: a copy each way.
 #pragma once
 
 #include <algorithm>
@@ -24,42 +23,41 @@ class ByteShelf {
   static constexpr std::size_t kMemoryBytes = std::size_t{8} << 20U;
   static constexpr std::size_t kFewBytes = std::size_t{1} << 20U;  ///< for records of a few bytes each
 
-  /// The file is made in that folder (ScratchFile) once there are more bytes than `memory_bytes`.
+  /// Beyond `memory_bytes` the file is made in `folder` (ScratchFile).
   explicit ByteShelf(std::string folder, std::size_t memory_bytes = kMemoryBytes)
       : folder_(std::move(folder)), memory_bytes_(memory_bytes), page_bytes_(std::min(kPageBytes, memory_bytes / 16)) {}
 
-  /// The next record, its parts one after the other. Where the folder takes no file, or its disk is full, what would be
-  /// there stays in memory.
+  /// Appends a record from its parts. If the folder takes no file, or its disk is full, records stay in memory.
   void put(std::initializer_list<std::span<const std::byte>> parts);
-  /// Records.
+  /// Number of records.
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Bytes that lie in the file.
+  /// Number of bytes in the file.
   [[nodiscard]] std::uint64_t bytes_in_file() const { return file_bytes_; }
-  /// Why there are none although there should be; empty as a rule.
+  /// Reason why the file could not be used; usually empty.
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
 
-  /// All records, one after the other, those that are put meanwhile too. The shelf must outlive it.
+  /// Reads all records in order, including those put meanwhile. The shelf must outlive it.
   class Reader {
    public:
     explicit Reader(const ByteShelf& shelf) : shelf_(&shelf) {}
-    /// To be called size() times at most; the bytes stay until the next call of anything. Throws FileError where the
-    /// file cannot be read.
+    /// Call at most size() times; the bytes are valid until the next call of any member. Throws FileError if the file
+    /// cannot be read.
     std::span<const std::byte> next();
 
    private:
     std::span<const std::byte> page();
 
     const ByteShelf* shelf_;
-    std::size_t page_ = 0;  // in hand; the one after the closed ones is that which is being filled
+    std::size_t page_ = 0;  // current page; the one after the closed pages is the open one
     std::size_t read_ = 0;  // bytes of it
     std::vector<std::byte> from_file_;
-    std::optional<std::size_t> in_memory_;  // which page that is
+    std::optional<std::size_t> in_memory_;  // number of the page in memory
   };
 
  private:
-  /// Many records, none of them in part.
+  /// Many whole records.
   struct Page {
-    std::vector<std::byte> bytes;  // none where it is in the file
+    std::vector<std::byte> bytes;  // empty if the page is in the file
     std::uint64_t place = 0;
     std::size_t size = 0;
   };
@@ -72,7 +70,7 @@ class ByteShelf {
   std::size_t page_bytes_;
   std::size_t size_ = 0;
   std::vector<Page> pages_;
-  std::vector<std::byte> open_;  // the page that is being filled
+  std::vector<std::byte> open_;  // the page being filled
   std::size_t bytes_in_memory_ = 0;
   std::optional<ScratchFile> file_;
   std::uint64_t file_bytes_ = 0;
@@ -95,7 +93,7 @@ void take_values(std::span<const std::byte>& record, std::span<Value> values) {
   record = record.subspan(bytes.size());
 }
 
-/// A value that is its bytes, as a record.
+/// A trivially copyable value as a record.
 template <typename Value>
 requires std::is_trivially_copyable_v<Value>
 void put_on(ByteShelf& shelf, const Value& value) { shelf.put({value_bytes(value)}); }
@@ -103,7 +101,7 @@ template <typename Value>
 requires std::is_trivially_copyable_v<Value>
 void take_from(std::span<const std::byte> record, Value& value) { take_values(record, std::span(&value, 1)); }
 
-/// Values on a ByteShelf: put_on(shelf, value) makes a record of one, and take_from(record, value) it of the record.
+/// Values on a ByteShelf: put_on(shelf, value) writes a value as a record, and take_from(record, value) reads it back.
 template <typename Value>
 class Shelf {
  public:
@@ -113,7 +111,7 @@ class Shelf {
   void put(const Value& value) { put_on(bytes_, value); }
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
   [[nodiscard]] const ByteShelf& bytes() const { return bytes_; }
-  /// All of them. Throws FileError where the file cannot be read.
+  /// All values. Throws FileError if the file cannot be read.
   [[nodiscard]] std::vector<Value> all() const {
     std::vector<Value> values;
     values.reserve(size());
@@ -122,11 +120,11 @@ class Shelf {
     return values;
   }
 
-  /// Values in the order in which they were put, those that are put meanwhile too.
+  /// Reads the values in order, including those put meanwhile.
   class Reader {
    public:
     explicit Reader(const Shelf& shelf) : reader_(shelf.bytes_) {}
-    /// To be called once a value at most. Throws FileError where the file cannot be read.
+    /// Call at most once for each value. Throws FileError if the file cannot be read.
     Value next() {
       Value value;
       take_from(reader_.next(), value);

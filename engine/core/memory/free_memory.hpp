@@ -1,5 +1,5 @@
-// Returns freed memory to the system if the C library can do that: it keeps pages between blocks that are still used,
-// more of them with each thread. Milliseconds; for moments at which much was freed. Thread-safe.
+// Returns freed memory to the system if the C library can do that: it keeps pages between used blocks, and more of them
+// with each thread. Takes milliseconds; call it after much was freed. Thread-safe.
 #pragma once
 
 #include <cstdlib>
@@ -15,9 +15,9 @@ inline void return_free_memory() {
 #endif
 }
 
-/// For processes that go on for hours, at their start: from now on blocks of 256 KiB and more are the system's again as
-/// soon as they are freed, where the C library would keep the room of the largest between blocks that stay. Costs a
-/// page fault for each of their pages.
+/// Call at the start of processes that run for hours: from now on freed blocks of 256 KiB and more return to the system
+/// at once. Otherwise the C library would keep the space of the largest between other blocks. Costs a page fault for
+/// each of their pages.
 inline void return_large_blocks_at_once() {
 #ifdef __GLIBC__
   ::mallopt(M_MMAP_THRESHOLD, 256 << 10);

@@ -1,4 +1,4 @@
-// The error of memory that ended where the size asked for is known; elsewhere it is std::bad_alloc.
+// The error if memory ran out and the requested size is known; otherwise it is std::bad_alloc.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace gdtslam {
 
-/// A buffer that the host has no memory for (exit 1). A command adds what needs less.
+/// The host has no memory for a buffer (exit 1). A command adds advice on using less.
 class OutOfMemory : public Error {
  public:
   explicit OutOfMemory(std::size_t bytes)

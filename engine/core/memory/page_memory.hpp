@@ -1,4 +1,4 @@
-// Memory of which the system takes pages back. Thread-safe.
+// Returns pages of memory to the system. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace gdtslam {
 
-/// Makes memory that came zero from the system zero again; its whole pages go back to the system until they are
-/// touched. Not of a file, nor shared.
+/// Zeroes memory that the system gave zeroed; whole pages return to the system until they are touched. Not for memory
+/// of a file or shared memory.
 void forget(std::span<std::byte> memory);
 
 }  // namespace gdtslam

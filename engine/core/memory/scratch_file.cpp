@@ -19,8 +19,8 @@ std::string folder_meant(const std::string& folder) {
   return variable != nullptr && *variable != '\0' ? variable : "/var/tmp";
 }
 
-// A file without a name, of which a kill leaves nothing. Not every file system has such; else one that loses its name
-// at once.
+// A file without a name, so that a killed process leaves nothing. If the file system has no such files, the name is
+// removed at once.
 int open_unnamed(const std::string& folder) {
   const int unnamed = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (unnamed >= 0) return unnamed;

@@ -1,5 +1,5 @@
 // A file without a name for data that a process keeps on disk while it runs. It disappears with its object, however the
-// process ends. Places in it are bytes from its beginning. One object belongs to one thread.
+// process ends. Places in it are byte offsets from its beginning. One object belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@ namespace gdtslam {
 
 class ScratchFile {
  public:
-  /// In that folder; where it is empty in that of the variable TMPDIR, or in /var/tmp. Throws FileError where the
-  /// folder takes no file.
+  /// Makes the file in `folder`; if that is empty, in the folder of the variable TMPDIR or in /var/tmp. Throws
+  /// FileError if the folder takes no file.
   explicit ScratchFile(const std::string& folder);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
 
-  /// Throws FileError where the disk is full.
+  /// Throws FileError if the disk is full.
   void write(std::uint64_t place, std::span<const std::byte> bytes);
-  /// Reads the bytes that were written at this place. Throws FileError.
+  /// Reads the bytes written at this place. Throws FileError.
   void read(std::uint64_t place, std::span<std::byte> bytes) const;
 
  private:

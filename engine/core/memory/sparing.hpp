@@ -1,5 +1,5 @@
-// For what grows for hours and stays: vectors with room for an eighth more than they hold, where others double. O(1)
-// for each value in the mean, with nine copies of it.
+// For data that grow for hours: vectors grow by an eighth instead of doubling. Amortised O(1) for each value, with nine
+// copies of it.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// How the points of a cloud file are laid out, whatever its format says it in, and the headers that say so.
-// Thread-safe.
+// Layout of the points in a cloud file of any format, and the readers of its headers. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +15,7 @@ namespace gdtslam {
 
 enum class Scalar : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
 
-/// The type that PLY names so ("uchar", "uint8"), or PCD by its TYPE and SIZE ("U1").
+/// The type by its name in PLY ("uchar", "uint8"), or by TYPE and SIZE in PCD ("U1").
 std::optional<Scalar> scalar_named(std::string_view name);
 std::size_t byte_size(Scalar type);
 /// The value of a scalar that begins at `data`.
@@ -25,18 +24,18 @@ double decode(Scalar type, const char* data, bool is_big_endian);
 /// The meaning of a column for this program.
 enum class CloudRole : std::uint8_t { kX, kY, kZ, kElevation, kTime, kScan, kIgnored };
 CloudRole column_role(std::string_view column);
-/// The column's name; of the ignored ones "".
+/// The column's name; "" for ignored ones.
 std::string_view to_string(CloudRole role);
 
 struct CloudColumn {
   Scalar type = Scalar::kFloat;
   CloudRole role = CloudRole::kIgnored;
-  std::optional<Scalar> list_count{};  ///< a list of PLY: its length stands before its items
-  std::uint64_t repeat = 1;            ///< values of a column of PCD
-  bool is_corner_list = false;         ///< the vertices of a face, of PLY
+  std::optional<Scalar> list_count{};  ///< for a list of PLY: the type of its length, which precedes its items
+  std::uint64_t repeat = 1;            ///< number of values in a column of PCD
+  bool is_corner_list = false;         ///< the vertices of a face, in PLY
 };
 
-/// A kind of thing that a file holds, with its number; of clouds only vertices matter.
+/// A kind of element in a file, and its number; clouds need only vertices.
 struct CloudElement {
   std::uint64_t count = 0;
   bool is_vertex = false;
@@ -49,9 +48,9 @@ struct CloudFileLayout {
   bool is_ascii = false;
   bool is_big_endian = false;
   bool is_compressed = false;
-  std::vector<CloudElement> before;  ///< elements that lie before the vertices
+  std::vector<CloudElement> before;  ///< elements before the vertices
   CloudElement vertex;
-  bool has_more = false;  ///< other elements lie behind them
+  bool has_more = false;  ///< other elements follow
 };
 
 struct PlyHeader {
@@ -60,17 +59,17 @@ struct PlyHeader {
   std::vector<CloudElement> elements;  ///< in the order of the file
 };
 
-/// The header of a PLY file [Turk1994], from behind the first line, "ply", to behind "end_header". Throws InputError
-/// with the line.
+/// Reads the header of a PLY file [Turk1994] after its first line, "ply", up to "end_header". Throws InputError with
+/// the line.
 PlyHeader read_ply_elements(CloudInput& input);
-/// The same as the layout of a cloud; InputError also where there are no vertices.
+/// The same as the layout of a cloud; InputError also if there are no vertices.
 CloudFileLayout read_ply_header(CloudInput& input);
 
-/// The header of a PCD file, version 0.7 and those before it, to behind the line DATA; `first_line` has been read
-/// already. Throws InputError with the line.
+/// Reads the header of a PCD file, version 0.7 and earlier, up to the line DATA; `first_line` is already read. Throws
+/// InputError with the line.
 CloudFileLayout read_pcd_header(CloudInput& input, const std::string& first_line);
-/// The compression of PCD's binary_compressed, LibLZF's format. Nothing when the input is damaged or does not give
-/// exactly `size` bytes, for which it takes the memory at once: at most 88 times those packed make sense.
+/// Unpacks PCD's binary_compressed, LibLZF's format. None if the input is damaged or does not give exactly `size`
+/// bytes. Allocates `size` bytes at once: at most 88 times the packed ones make sense.
 std::optional<std::string> unpack_lzf(std::string_view packed, std::size_t size);
 
 }  // namespace gdtslam

@@ -22,7 +22,7 @@ class CloudInput {
   CloudInput(std::unique_ptr<ByteSource> source, std::string name)
       : lines_(std::move(source), kMostLineBytes), name_(std::move(name)) {}
 
-  /// The next line without its end; nothing at the end of the input. Throws InputError for one that is too long.
+  /// The next line without its end; none at the end of the input. Throws InputError for a line that is too long.
   std::optional<std::string_view> line() {
     const std::optional<TextLine> line = lines_.next();
     if (!line) return std::nullopt;
@@ -30,15 +30,15 @@ class CloudInput {
     if (!line->is_too_long) return line->text;
     throw InputError({name_, line_number_}, "the line is longer than 64 KiB: is this the right file, and is it whole?");
   }
-  /// The next `count` bytes (at most kMostBytes), valid until the next call; nullptr where the input ends before.
+  /// The next `count` bytes (at most kMostBytes), valid until the next call; nullptr if the input ends before.
   const char* bytes(std::size_t count) { return lines_.bytes(count); }
-  /// The same without going on.
+  /// The same without consuming them.
   const char* peek(std::size_t count) { return lines_.peek_bytes(count); }
-  /// Up to `most` bytes that there are; empty at the end.
+  /// Up to `most` available bytes; empty at the end.
   std::string_view some(std::size_t most) { return lines_.some(most); }
   [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// The defect at the end of the input, known once it was reached.
+  /// The defect at the end of the input, known once the end was reached.
   [[nodiscard]] std::string defect() const { return lines_.source().defect(); }
   [[nodiscard]] std::uint64_t bytes_from_file() const { return lines_.source().bytes_from_file(); }
 

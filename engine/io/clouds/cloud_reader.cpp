@@ -62,15 +62,15 @@ CloudFileLayout read_header(CloudInput& input) {
   return layout;
 }
 
-/// A column that stands at the same place in every point.
+/// A column at the same place in every point.
 struct PlacedColumn {
   Scalar type = Scalar::kFloat;
   CloudRole role = CloudRole::kIgnored;
-  std::uint64_t offset = 0;  ///< in the point; of compressed data in all of them
-  std::uint64_t step = 0;    ///< from one point to the next, of compressed data
+  std::uint64_t offset = 0;  ///< in the point; for compressed data, in the whole data
+  std::uint64_t step = 0;    ///< from one point to the next, for compressed data
 };
 
-// The columns that mean something; empty where lists make points differ in length.
+// The columns with a role; empty if lists make points differ in length.
 std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
   std::vector<PlacedColumn> placed;
   std::uint64_t offset = 0;
@@ -85,7 +85,7 @@ std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
   return placed;
 }
 
-// Bytes that a point has at least; of lists only their lengths.
+// The least number of bytes of a point; lists count only their lengths.
 std::uint64_t least_bytes(const CloudFileLayout& layout) {
   std::uint64_t bytes = 0;
   for (const CloudColumn& column : layout.vertex.columns) {
@@ -125,7 +125,7 @@ struct CloudReader::State {
   RowValues row{input, layout.is_ascii, layout.is_big_endian};
   std::uint64_t point_bytes = 0;
   std::vector<PlacedColumn> placed;
-  std::string unpacked;  // data of binary_compressed, column after column
+  std::string unpacked;  // data of binary_compressed, column by column
   std::uint64_t done = 0;
   std::uint64_t skipped = 0;
   bool is_end_checked = false;
@@ -164,9 +164,9 @@ void CloudReader::State::read_placed() {
   }
 }
 
-// Elements in front of the vertices: their bytes or lines are read over.
+// Skips the bytes or lines of an element before the vertices.
 void CloudReader::State::skip(const CloudElement& element) {
-  if (element.columns.empty()) return;  // takes no byte, however many there are
+  if (element.columns.empty()) return;  // takes no bytes, for any number of them
   for (std::uint64_t k = 0; k < element.count; ++k) {
     if (!layout.is_ascii) {
       read_row(element);
@@ -176,7 +176,7 @@ void CloudReader::State::skip(const CloudElement& element) {
   }
 }
 
-// The sizes that the file states are believed only as far as its bytes go.
+// Checks the stated sizes against the bytes of the file.
 void CloudReader::State::unpack() {
   const char* const sizes = input.bytes(8);
   if (sizes == nullptr) ends_early();
@@ -199,7 +199,7 @@ void CloudReader::State::unpack() {
   unpacked = std::move(*data);
 }
 
-// A file that goes on by a point or more has a wrong count, and points would be lost unseen.
+// A file that continues by a point or more has a wrong count, and points would be lost silently.
 void CloudReader::State::check_end() {
   if (std::exchange(is_end_checked, true) || layout.has_more || layout.is_compressed) return;
   const bool goes_on = layout.is_ascii
@@ -211,10 +211,10 @@ void CloudReader::State::check_end() {
   }
 }
 
-// By the first point that is finite: kilometres of the axes on which it is far.
+// By the first finite point: whole kilometres on the axes on which it is far.
 void CloudReader::State::choose_origin() {
   constexpr double kFar_m = 1e4;
-  constexpr double kFarthest_m = 1e9;  // beyond, no grid of the earth
+  constexpr double kFarthest_m = 1e9;  // no grid of the earth goes beyond
   const std::array<double, 3> first{value(CloudRole::kX), value(CloudRole::kY), value(CloudRole::kZ)};
   for (const double number : first) {
     if (!std::isfinite(number)) return;
@@ -226,7 +226,7 @@ void CloudReader::State::choose_origin() {
   has_origin = true;
 }
 
-// False when the point is not finite.
+// False if the point is not finite.
 bool CloudReader::State::read_point(CloudPoint& point) {
   if (placed.empty()) {
     read_row(layout.vertex);

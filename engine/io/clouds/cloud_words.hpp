@@ -1,5 +1,5 @@
-// Words and numbers of a line, which blanks separate, and the values of a row of a cloud or a mesh. One object belongs
-// to one thread.
+// Blank-separated words and numbers of a line, and the values of a row of a cloud or a mesh. One object belongs to one
+// thread.
 #pragma once
 
 #include <charconv>
@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-/// The words of a line, which blanks separate.
+/// The blank-separated words of a line.
 inline std::vector<std::string_view> split_words(std::string_view line) {
   std::vector<std::string_view> words;
   std::size_t begin = line.find_first_not_of(" \t");
@@ -27,7 +27,7 @@ inline std::vector<std::string_view> split_words(std::string_view line) {
   return words;
 }
 
-/// A whole number from 0; nothing when the word is none or does not fit.
+/// A whole number from 0; none if the word is no number or does not fit.
 inline std::optional<std::uint64_t> parse_count(std::string_view word) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -40,8 +40,8 @@ class CloudNumbers {
  public:
   explicit CloudNumbers(std::string_view line) : at_(line.data()), end_(line.data() + line.size()) {}
 
-  /// The next number; nothing at the end of the line or before another word. A float is rounded once, from its digits:
-  /// by way of double the last bit may differ.
+  /// The next number; none at the end of the line or before another word. A float is rounded once, directly from its
+  /// digits, because rounding through a double may change the last bit.
   std::optional<double> next(Scalar type) {
     skip_blanks();
     if (at_ == end_) return std::nullopt;
@@ -73,12 +73,12 @@ class CloudNumbers {
   const char* end_;
 };
 
-/// The values of one row after the other, be they words of a line or bytes.
+/// The values of rows in order, from words of a line or from bytes.
 class RowValues {
  public:
   RowValues(CloudInput& input, bool is_ascii, bool is_big_endian)
       : input_(input), is_ascii_(is_ascii), is_big_endian_(is_big_endian) {}
-  /// Goes to the next line of a text that is not blank; false at the end of the input.
+  /// Goes to the next non-blank line of a text; false at the end of the input.
   bool begin_row() {
     if (!is_ascii_) return true;
     std::optional<std::string_view> line = input_.line();
@@ -86,8 +86,8 @@ class RowValues {
     numbers_ = CloudNumbers(line.value_or(""));
     return line.has_value();
   }
-  /// Calls take(column, number) for each value of a row of the element. Returns the fault of the row: kEndsEarly if its
-  /// bytes are not there, empty if there is none.
+  /// Calls take(column, number) for each value of a row of the element. Returns the fault of the row: kEndsEarly if
+  /// bytes are missing, empty if there is none.
   template <class Take>
   std::string_view read(const CloudElement& element, const Take& take) {
     const std::string_view missing = is_ascii_ ? "has fewer numbers than columns, or a word among them" : kEndsEarly;

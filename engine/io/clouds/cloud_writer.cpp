@@ -41,7 +41,7 @@ std::string format_header(CloudFormat format, std::uint64_t points) {
       blanks, count, count);
 }
 
-// Before anything is written: the beginning of a pipe or a device cannot be written again.
+// Checked before writing, because the start of a pipe or a device cannot be rewritten.
 const std::string& seekable(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 1000;
 constexpr std::uint64_t kMostLines = 10'000;
-constexpr std::uint64_t kMostColumnValues = 8000;  // in one column of a point
+constexpr std::uint64_t kMostColumnValues = 8000;  // limit for one column of a point
 
 using Words = std::vector<std::string>;
 
@@ -41,7 +41,7 @@ std::uint64_t read_number(const Words& words, const FilePosition& at) {
   return *value;
 }
 
-// False for a keyword that does not matter.
+// False for an ignored keyword.
 bool take(const Words& words, PcdHeader& header, const FilePosition& at) {
   const Words values(words.begin() + 1, words.end());
   if (words[0] == "FIELDS" || words[0] == "COLUMNS") return header.fields = values, true;

@@ -51,7 +51,7 @@ CloudColumn read_column(const LineWords& words, const FilePosition& at) {
   throw InputError(at, "expected 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
 }
 
-// Elements before the vertices are read over; those behind do not matter.
+// Elements before the vertices are skipped; later ones do not matter.
 void sort_elements(std::vector<CloudElement> elements, CloudFileLayout& layout, const std::string& name) {
   for (CloudElement& element : elements) {
     if (element.is_vertex) {

@@ -21,13 +21,13 @@ namespace {
 constexpr std::size_t kBinaryProbeBytes = 4096;
 constexpr std::size_t kMostKindShown = 40;
 constexpr std::string_view kLineBlanks = " \t\r";
-constexpr double kFarMountM = 3.0;  // farther than a laser sits on any robot of these logs
+constexpr double kFarMountM = 3.0;  // farther than any mount in these logs
 
 constexpr std::size_t kMaxKindLength = 48;
 
 std::size_t read_count(FieldCursor& cursor, std::string_view name) {
   const std::int64_t count = cursor.integer(name);
-  const std::size_t most = cursor.bytes_left() / 2;  // a number takes a blank and a digit
+  const std::size_t most = cursor.bytes_left() / 2;  // a number needs a blank and a digit
   if (count < 0 || static_cast<std::uint64_t>(count) > most) {
     throw MalformedLine(
         fmt::format("states {} as its {}, but the rest of the line holds at most {} numbers", count, name, most));
@@ -52,7 +52,7 @@ std::vector<float> read_ranges(FieldCursor& cursor, std::size_t count, RangeRepa
   return ranges_m;
 }
 
-/// `decimals` grows to the most digits behind a point.
+/// `decimals` grows to the most digits after a point.
 Pose2 read_pose(FieldCursor& cursor, std::string_view name, int& decimals) {
   const auto next = [&] {
     const double value = cursor.finite(name);
@@ -75,7 +75,7 @@ double read_stamp(FieldCursor& cursor) {
   return stamp_s;
 }
 
-/// Two poses that agree digit for digit are one place: no rounding noise for robots whose log knows no mount.
+/// Two poses with equal digits give an identity mount: no rounding noise for robots whose log has no mount.
 Pose2 compute_mount(const Pose2& T_odom_base, const Pose2& T_odom_laser, const ReadOptions& options) {
   if (options.T_base_laser) {
     return *options.T_base_laser;
@@ -106,12 +106,12 @@ ScanRecord parse_flaser(FieldCursor& cursor, const ReadOptions& options, CarmenL
   return record;
 }
 
-/// Lasers are made in degrees: an angle that was rounded to nine decimals or more is that of the fewest decimals of a
-/// degree, up to four, from which it could have been rounded.
+/// Lasers are made in degrees: an angle of nine decimals or more is replaced by the angle in degrees with the fewest
+/// decimals, up to four, that rounds to it.
 double angle_as_made(double rounded_rad, int decimals) {
   constexpr int kFewestAngleDecimals = 9;
   if (decimals < kFewestAngleDecimals) return rounded_rad;
-  double taken_rad = 0.5000001;  // by the rounding, at most
+  double taken_rad = 0.5000001;  // most that rounding can change
   for (int k = 0; k < std::min(decimals, 20); ++k) taken_rad /= 10.0;
   const double deg = deg_from_rad(rounded_rad);
   for (double parts = 1.0; parts <= 10000.0; parts *= 10.0) {
@@ -178,7 +178,7 @@ Odometry parse_odom(FieldCursor& cursor) {
   return odometry;
 }
 
-/// `PARAM name value ...`: an empty value is allowed, and what follows it is free.
+/// `PARAM name value ...`: an empty value is allowed, and any text may follow.
 Parameter parse_param(FieldCursor& cursor, bool& is_whole) {
   Parameter parameter{std::string(cursor.word("parameter name")), {}};
   if (!cursor.at_end()) {
@@ -210,7 +210,7 @@ class CarmenReader final : public TextLog {
     if (head.empty()) {
       throw InputError({name_, 0}, "is empty" + give_a_log());
     }
-    // A pipe may have given more than a line or not, and that must make no difference.
+    // Uses the first line only, because a pipe may have sent more than that or not.
     const std::string_view first = head.substr(0, head.find('\n'));
     if (const std::string fault = fault_of_foreign_line(first); !fault.empty()) throw InputError({name_, 0}, fault);
     if (first.find('\0') != std::string_view::npos) {
@@ -249,7 +249,7 @@ class CarmenReader final : public TextLog {
     }
   }
 
-  /// Up to the first line that is no comment.
+  /// Checks lines up to the first that is no comment.
   void look_at_start(const TextLine& line) {
     const std::string_view text = without_byte_order_mark(line);
     if (const std::string fault = fault_of_foreign_line(text); !fault.empty()) throw InputError({name_, 0}, fault);
@@ -290,7 +290,7 @@ class CarmenReader final : public TextLog {
     }
   }
 
-  /// CARMEN's own name for the limit of the front laser.
+  /// Handles CARMEN's own name for the limit of the front laser.
   void note_parameter(const Parameter& parameter) {
     if (parameter.name == "robot_front_laser_max") {
       double value = 0.0;

@@ -1,10 +1,10 @@
 // Reader of CARMEN text logs (docs/formats.md gives every line kind, rule and limit): FLASER, ROBOTLASER1, ODOM, PARAM,
 // and our own ENCODER and TILT. Metres, radians, seconds.
-// Memory is bounded by the longest line allowed, whatever the log's length. One reader belongs to one thread.
+// Memory is bounded by the longest line allowed. One reader belongs to one thread.
 //
 // File order is kept. A range that is not a number or negative becomes +infinity, which no sensor limit passes.
-// A malformed line throws InputError with file and line, or is counted with ReadOptions::lenient; a last line that was
-// cut off is dropped and counted.
+// A malformed line throws InputError with file and line, or is counted with ReadOptions::lenient; a cut last line is
+// dropped and counted.
 #pragma once
 
 #include <cstddef>
@@ -20,23 +20,23 @@
 
 namespace gdtslam {
 
-/// A log out of a source that was unpacked already. Throws InputError when it is empty or not text.
+/// A log from an unpacked source. Throws InputError if it is empty or not text.
 std::unique_ptr<DescribedLog> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                           const ReadOptions& options);
 
 /// The content of one line.
 struct CarmenLine {
-  std::optional<LogRecord> record;  ///< empty for comments, blank lines and message kinds that are not read
-  std::string_view skipped_kind;    ///< kind of a message that is not read
+  std::optional<LogRecord> record;  ///< empty for comments, blank lines and unused kinds of messages
+  std::string_view skipped_kind;    ///< kind of an unused message
   RangeRepairs repairs;
-  int pose_decimals = 0;  ///< most digits behind the point of the poses of a scan, from which its mount was computed
-  bool is_whole = true;   ///< the fields after the ones we use are there, so nothing we use was cut off
+  int pose_decimals = 0;  ///< most digits after the point in the two poses of a scan that give its mount
+  bool is_whole = true;   ///< later, unused fields are there, so no used field was cut
 };
 
 /// One line to one record, without state between lines. Throws MalformedLine (field_cursor.hpp).
 CarmenLine parse_carmen_line(std::string_view text, const ReadOptions& options);
 
-/// Bearings of a scan of which only the number of beams is known.
+/// Bearings of a scan by its number of beams.
 struct BearingRule {
   double first_rad = 0.0;
   double step_rad = 0.0;

@@ -13,7 +13,7 @@ namespace {
 constexpr int kDecimals = 6;
 constexpr int kBearingDecimals = 12;
 
-// Less than 0 decimals: as many as read back the same.
+// Below 0 decimals: as many as read back as the same number.
 template <class Number>
 void append_fixed(std::string& line, Number value, int decimals) {
   // The longest double in fixed notation has 309 digits before the point, the shortest form at most 1100 characters.
@@ -102,7 +102,7 @@ std::string CarmenWriter::odometry(const Odometry& odometry) {
   append_pose(line, odometry.T_odom_base);
   append_field(line, speeds.forward_m_per_s);
   append_field(line, speeds.turn_rad_per_s);
-  append_field(line, 0.0);  // acceleration, which robots do not report either
+  append_field(line, 0.0);  // acceleration, which robots do not report
   append_stamp(line, odometry.stamp_s);
   return line;
 }
@@ -139,7 +139,7 @@ std::string CarmenWriter::scan(const ScanRecord& record) {
   }
   append_ranges(line, scan.ranges_m);
   line += is_flaser ? "" : " 0";
-  // Equal poses tell the reader that there is no mount; a product would have its angle turned back into one turn.
+  // Equal poses mean an identity mount; a product would have its angle wrapped.
   append_pose(line, scan.T_base_laser == Pose2{} ? T_odom_base : T_odom_base * scan.T_base_laser);
   append_pose(line, T_odom_base);
   if (!is_flaser) {

@@ -1,6 +1,7 @@
-// CARMEN log lines (docs/formats.md): FLASER where the number of beams tells their bearings, else ROBOTLASER1; RLASER
-// and ROBOTLASER2 for the second laser; ODOM; ENCODER; TILT; PARAM. Metres, radians, seconds; poses and stamps with six
-// decimals or with as many as read back the same, the same bytes on every host. One object belongs to one thread.
+// CARMEN log lines (docs/formats.md): FLASER if the number of beams gives their bearings, else ROBOTLASER1; RLASER and
+// ROBOTLASER2 for the second laser; ODOM; ENCODER; TILT; PARAM. Metres, radians, seconds; poses and stamps with six
+// decimals or with as many as read back as the same number; the same bytes on every host. One object belongs to one
+// thread.
 #pragma once
 
 #include <string>
@@ -14,20 +15,20 @@ namespace gdtslam {
 
 class CarmenWriter {
  public:
-  /// So many decimals that the same number reads back, for ranges, poses and stamps.
+  /// Enough decimals to read back the same number, for ranges, poses and stamps.
   static constexpr int kAsNeeded = -1;
-  /// Ranges are written with this many decimals, 0 to 9; `host` stands as the name of the computer, one word.
+  /// Ranges are written with this many decimals, 0 to 9; `host`: name of the computer, one word.
   explicit CarmenWriter(int range_decimals, std::string host = "simulated")
       : range_decimals_(range_decimals), host_(std::move(host)) {}
 
-  /// Each returns its line with the line end. Speeds are those since the odometry written before.
+  /// Each returns its line with the line end. Speeds are relative to the previous odometry written.
   std::string parameter(std::string_view name, std::string_view value) const;
   std::string odometry(const Odometry& odometry);
   std::string encoder(const Encoder& encoder) const;
   std::string tilt(const Tilt& tilt) const;
-  /// The scan must carry odometry, be of laser 0 or 1, and have a step above 0.
+  /// The scan must have odometry, laser 0 or 1, and a step above 0.
   std::string scan(const ScanRecord& record);
-  /// True where the line needs no bearings; then it has no limit of the ranges either.
+  /// True if the line needs no bearings; then it also has no limit of the ranges.
   [[nodiscard]] bool is_told_by_beam_count(const LaserScan& scan) const;
 
  private:

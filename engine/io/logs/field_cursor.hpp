@@ -1,4 +1,4 @@
-// Reads the blank-separated fields of a line one after the other. Not thread-safe.
+// Reads the blank-separated fields of a line in order. Not thread-safe.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-/// A line that breaks its format; what() says how.
+/// A line that breaks its format; what() states the fault.
 class MalformedLine : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -60,7 +60,7 @@ class FieldCursor {
     }
     return value;
   }
-  /// Decimal places of the number that was read last, corrected for its exponent.
+  /// Decimal places of the last number, corrected for its exponent.
   [[nodiscard]] int decimals() const {
     return count_decimals({number_, static_cast<std::size_t>(position_ - number_)});
   }

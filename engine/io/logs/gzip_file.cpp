@@ -28,7 +28,7 @@ struct TextSink::Deflater {
   Deflater& operator=(const Deflater&) = delete;
   ~Deflater() { deflateEnd(&stream); }
 
-  // Takes all of the input and passes on what came out of it.
+  // Compresses all of the input and writes the output.
   void run(std::string_view text, int flush, AtomicFile& file) {
     // zlib does not write to its input; its interface predates const.
     stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(text.data()));

@@ -1,5 +1,5 @@
-// A text file that appears whole or not at all, compressed when its name ends in .gz. The compressed stream carries no
-// name and no time, so that the same text gives the same bytes. One object belongs to one thread.
+// A text file that appears whole or not at all, compressed if its name ends in .gz. The compressed stream has no name
+// and no time, so the same text gives the same bytes. One object belongs to one thread.
 #pragma once
 
 #include <cstdint>

@@ -29,7 +29,7 @@ std::string supported() {
 using OpenUnpacked = std::unique_ptr<DescribedLog> (*)(std::unique_ptr<ByteSource>, const std::string&,
                                                        const ReadOptions&);
 
-/// The first bytes of a container: what reads it, how it is unpacked or, where nothing does, what it is.
+/// The first bytes of a container, and its reader, its packing or, if it is not supported, its name.
 struct Magic {
   std::string_view bytes;
   std::string_view kind;
@@ -50,7 +50,7 @@ bool may_be_magic(std::string_view head) {
                      [head](const Magic& magic) { return magic.bytes.starts_with(head); });
 }
 
-/// The first bytes, as many as tell the kind, and no more: those of a pipe come only once, and late.
+/// Reads only as many first bytes as decide the kind, because bytes of a pipe come only once, and late.
 std::string read_magic(ByteSource& source) {
   std::string head;
   for (char byte = 0; may_be_magic(head) && source.read({&byte, 1}) == 1;) head.push_back(byte);
@@ -61,8 +61,8 @@ bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '"';
 }
 
-/// A line of JSON begins with a brace; a header of CSV with a name and a comma, where CARMEN has a blank. Reads up to
-/// there.
+/// A line of JSON begins with a brace; a header of CSV with a name and a comma, a line of CARMEN with a name and a
+/// blank. Reads up to there.
 std::optional<TableKind> detect_table(ByteSource& source, std::string& head) {
   static constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   static constexpr std::size_t kLongestName = 64;
@@ -80,7 +80,7 @@ std::optional<TableKind> detect_table(ByteSource& source, std::string& head) {
   return has_name && (text.ends_with(',') || text.ends_with(';')) ? std::optional(TableKind::kCsv) : std::nullopt;
 }
 
-/// Unpacks what is packed, once: packed data in packed data are nobody's log. `head` is what was read to know.
+/// Unpacks packed data once, because no log is packed twice. `head`: the bytes read to recognise it.
 std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const std::string& name, std::string& head) {
   source = gunzip_if_packed(std::move(source), name);
   head = read_magic(*source);
@@ -93,7 +93,7 @@ std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const s
   return source;
 }
 
-/// Text logs have one laser's scans and one odometry, and nothing to choose from.
+/// Text logs have one laser's scans and one odometry, so there is no choice.
 void refuse_topics(const TopicChoice& chosen, const std::string& name, std::string_view kind) {
   const auto refuse = [&](std::string_view what) {
     throw UsageError(fmt::format("{}: is {}, which has no topics: leave out {}", name, kind, what));
@@ -121,7 +121,7 @@ class LentSource final : public ByteSource {
   std::uint64_t bytes_ = 0;
 };
 
-// `path` is empty where the bytes have none.
+// `path` is empty if the bytes have none.
 std::unique_ptr<DescribedLog> open_source(std::unique_ptr<ByteSource> packed, const std::string& name,
                                           const std::string& path, const ReadOptions& options) {
   std::string head;

@@ -10,11 +10,11 @@
 namespace gdtslam {
 namespace {
 
-// Doubles of some hundred metres have no more than twelve decimals to give.
+// Doubles of some hundred metres have at most twelve decimals.
 constexpr int kFewestDecimals = 6;
 constexpr int kMostDecimals = 12;
 constexpr std::array<double, kMostDecimals - kFewestDecimals + 1> kDecimalParts{1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11};
-constexpr double kFarMount = 1000.0;  // farther than any laser sits; more digits than a double has are not rounded
+constexpr double kFarMount = 1000.0;  // farther than any mount; beyond, a double has too few digits for rounding
 
 double rounded(double value, double parts) {
   if (!(std::fabs(value) < kFarMount)) return value;

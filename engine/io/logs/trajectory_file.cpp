@@ -56,7 +56,7 @@ void for_each_row(std::unique_ptr<ByteSource> source, const std::string& name, c
   }
 }
 
-// No place on earth is farther from another; squares of it and their sums are numbers still.
+// No two places on earth are farther apart; squares of the distance and their sums stay finite.
 void check_place(double x_m, double y_m, const FilePosition& position) {
   constexpr double kFarthest_m = 1.0e9;
   if (std::fabs(x_m) <= kFarthest_m && std::fabs(y_m) <= kFarthest_m) return;
@@ -64,7 +64,7 @@ void check_place(double x_m, double y_m, const FilePosition& position) {
                    fmt::format("({:g}, {:g}) is no place: x and y are metres, {:g} at most", x_m, y_m, kFarthest_m));
 }
 
-// A whole turn either way, and what its decimals were rounded by.
+// Allows a whole turn either way, and the rounding of its decimals.
 void check_turn(double yaw_rad, const FilePosition& position) {
   constexpr double kMost_rad = kTwoPi + 0.001;
   if (std::fabs(yaw_rad) <= kMost_rad) return;
@@ -73,7 +73,7 @@ void check_turn(double yaw_rad, const FilePosition& position) {
                                          yaw_rad));
 }
 
-/// Yaw of a quaternion of any length; rotations about z and others alike.
+/// Yaw of a quaternion of any length, also for rotations not about z.
 double quaternion_yaw(double x, double y, double z, double w) {
   return atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
@@ -133,7 +133,7 @@ std::vector<Relation> read_relations(const std::string& path) {
                  relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
                });
   if (relations.empty()) throw InputError({path, 0}, "holds no relation; a row is `t1 t2 x y z roll pitch yaw`");
-  // One relation may be of 1 rad; several whose last four numbers are all of length 1 are orientations.
+  // One relation may turn by 1 rad; several whose last four numbers all have length 1 are quaternions.
   if (relations.size() > 2 && unit_quaternions == relations.size()) {
     throw InputError({path, 0},
                      "is a trajectory with rows `t x y z qx qy qz qw` and no relations, `t1 t2 x y z roll pitch yaw`");

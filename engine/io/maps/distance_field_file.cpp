@@ -19,7 +19,7 @@ constexpr int kFieldVersion = 2;
 constexpr double kUnitsPerCell = 256.0;
 constexpr int kMaxLevel = 65535;
 
-/// Grey levels per unit of 1/256 cell: the most that the picture can hold. Levels up to the cap alone would all be near
+/// Grey levels per unit of 1/256 cell, the most that the picture can hold, because levels up to the cap would be near
 /// black.
 int levels_per_unit(std::uint16_t cap) { return kMaxLevel / int{cap}; }
 
@@ -35,7 +35,7 @@ void check_writable(const std::string& yaml_path, const DistanceFieldRows& field
   }
 }
 
-// A row after the other from the top; the field is not copied.
+// Writes rows from the top; the field is not copied.
 void write_image(AtomicFile& file, const std::string& yaml_path, const DistanceFieldRows& field) {
   const int scale = levels_per_unit(field.cap);
   const auto width = static_cast<std::size_t>(field.geometry.width);
@@ -84,7 +84,7 @@ Levels read_levels(const DescriptionFile& file, double resolution_m) {
   if (version != 1.0 && version != kFieldVersion) {
     file.fail("version", fmt::format("only versions 1 and {} are read", kFieldVersion));
   }
-  // Version 1 knew no scale: a level was 1/256 cell.
+  // Version 1 had no scale: a level was 1/256 cell.
   const Levels levels{version == 1.0 ? 1 : whole_level(file, "scale"), whole_level(file, "cap")};
   if (levels.cap % levels.scale != 0) {
     file.fail("cap", fmt::format("{} is no multiple of the scale {}", levels.cap, levels.scale));

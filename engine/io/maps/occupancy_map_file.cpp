@@ -36,7 +36,7 @@ std::uint8_t to_level(CellState state) {
   return kUnknownLevel;
 }
 
-// A row after the other from the top; the map is not copied.
+// Writes rows from the top; the map is not copied.
 template <class Take>
 void for_each_row(const OccupancyMap& map, const Take& take) {
   const auto width = static_cast<std::size_t>(map.geometry.width);
@@ -62,7 +62,7 @@ void write_image(AtomicFile& file, const OccupancyMap& map, MapImage image) {
   png.finish();
 }
 
-// A PGM or a PNG, plain or gzip, by what the file begins with: names may say anything.
+// A PGM or a PNG, plain or gzip, by the first bytes of the file, because names may be wrong.
 Grey8Image read_image(const std::string& path) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
   constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 30U;
@@ -81,7 +81,7 @@ Thresholds read_thresholds(const DescriptionFile& file) {
   Thresholds thresholds;
   thresholds.occupied = file.number_or("occupied_thresh", kOccupiedThreshold);
   thresholds.free = file.number_or("free_thresh", kFreeThreshold);
-  // A number, or a word as Nav2 takes it.
+  // A number, or a word as in Nav2.
   const std::string negate = file.has("negate") ? file.text("negate") : "0";
   thresholds.negate = negate == "true" || (negate != "false" && file.number_or("negate", 0.0) != 0.0);
   for (const char* key : {"occupied_thresh", "free_thresh"}) {

@@ -11,7 +11,7 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/// Reads the numbers of the header, between which white space and comments may stand.
+/// Reads the numbers of the header, with white space and comments between them.
 class HeaderReader {
  public:
   HeaderReader(std::string_view text, const std::string& name) : text_(text), name_(name) {}
@@ -29,7 +29,7 @@ class HeaderReader {
     }
     return static_cast<std::uint32_t>(value);
   }
-  /// The bytes behind the one white-space character after the header.
+  /// The bytes after the header and one white-space character.
   std::string_view rest() {
     if (position_ >= text_.size() || !is_space(text_[position_])) {
       throw InputError({name_, 0}, "its PGM header does not end in white space");

@@ -16,10 +16,10 @@
 namespace gdtslam {
 namespace {
 
-// Not libpng's simplified interface: it takes 16-bit grey for linear light, notes so in the file and converts what
-// other programs noted, and these are distances.
+// Not libpng's simplified interface: it treats 16-bit grey as linear light, records that in the file and converts other
+// programs' values, but these are distances.
 
-// Exceptions pass through libpng, whose functions have unwind tables and own nothing but what its structures hold.
+// Exceptions pass through libpng, whose functions have unwind tables and keep all resources in its structures.
 [[noreturn]] void fail_to_read(png_structp png, png_const_charp text) {
   throw InputError({*static_cast<const std::string*>(png_get_error_ptr(png)), 0},
                    fmt::format("is a damaged PNG: {}", text));
@@ -29,7 +29,7 @@ namespace {
 }
 void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}  // a picture that is only odd is readable
 
-/// A PNG in memory: its header, then its rows from the top. Every member throws InputError for what is damaged.
+/// A PNG in memory: its header, then its rows from the top. Every member throws InputError for damaged data.
 class PngReader {
  public:
   PngReader(std::span<const std::byte> data, const std::string& name) : data_(data), left_(data), name_(name) {
@@ -53,7 +53,7 @@ class PngReader {
     return png_get_color_type(png_, info_) == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) == 16;
   }
 
-  /// `bits` that a pixel takes in the file at least, and `kept` bytes that it takes in memory.
+  /// `bits`: least size of a pixel in the file; `kept`: its bytes in memory.
   void check_size(std::uint64_t bits, std::uint64_t kept, std::uint64_t max_pixels) const {
     constexpr std::uint64_t kLargestDeflateRatio = 1032;
     const std::uint64_t pixels = std::uint64_t{width()} * height();
@@ -71,7 +71,7 @@ class PngReader {
   void set_host_order() {
     if (std::endian::native == std::endian::little) png_set_swap(png_);
   }
-  /// All kinds of pixels become one byte.
+  /// Converts all kinds of pixels to one byte.
   void set_grey8() {
     constexpr int kThird = 33333;  // weight of red and of green, in 100,000ths
     png_set_expand(png_);
@@ -79,7 +79,7 @@ class PngReader {
     png_set_strip_alpha(png_);
     png_set_rgb_to_gray_fixed(png_, PNG_ERROR_ACTION_NONE, kThird, kThird);
   }
-  /// Memory grows with the rows that are really there.
+  /// Memory grows only with rows that exist.
   template <class Pixel>
   std::vector<Pixel> read_rows() {
     std::vector<Pixel> pixels;
@@ -124,7 +124,7 @@ void flush_nothing(png_structp /*png*/) {}
 // The best of filters none, sub, up, average and Paeth with levels 1 to 6 and runs only, measured on fields and maps of
 // the public logs.
 void set_packing(png_structp png, PngWriter::Pixels pixels) {
-  const bool is_field = pixels == PngWriter::Pixels::kGrey16;  // else a picture, or what is known of cells
+  const bool is_field = pixels == PngWriter::Pixels::kGrey16;  // else a picture, or the states of cells
   png_set_filter(png, PNG_FILTER_TYPE_BASE, is_field ? PNG_FILTER_UP : PNG_FILTER_NONE);
   png_set_compression_level(png, is_field ? 1 : 3);
   if (is_field) png_set_compression_strategy(png, Z_RLE);

@@ -11,7 +11,7 @@ namespace {
 
 using Corner = std::array<double, 2>;
 
-// Twice the area of a triangle, positive when it runs counter-clockwise.
+// Twice the area of a triangle, positive if it is counter-clockwise.
 double doubled_area(const Corner& a, const Corner& b, const Corner& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }

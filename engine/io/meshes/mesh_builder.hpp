@@ -1,5 +1,5 @@
-// Common parts of the readers of meshes: bounds on vertices and triangles, faces of any number of corners, and being
-// stopped. One object belongs to one thread.
+// Common parts of the readers of meshes: bounds on vertices and triangles, faces of any number of corners, and
+// stopping. One object belongs to one thread.
 #pragma once
 
 #include <span>
@@ -18,7 +18,7 @@ class MeshBuilder {
   static constexpr std::size_t kMostCorners = 256;
 
   /// Sets the place of the next faults: a line of the file, or the kind of item in a binary file ("triangle") and its
-  /// number from 0. To be called for each row: throws when the reading is to stop.
+  /// number from 0. Call for each row: throws if reading must stop.
   void begin_row(const char* kind, std::uint64_t number);
   void begin_line(std::uint64_t line) { begin_row(nullptr, line); }
   void add_vertex(const std::array<float, 3>& vertex);
@@ -27,7 +27,7 @@ class MeshBuilder {
   [[nodiscard]] std::size_t vertex_count() const { return mesh_.vertices.size(); }
   /// Throws InputError with the place of the row.
   [[noreturn]] void fail(const std::string& message) const;
-  /// The mesh without the vertices that no triangle has. Throws InputError when there is no triangle.
+  /// The mesh without unused vertices. Throws InputError if there is no triangle.
   MeshFile finish();
 
  private:
@@ -43,7 +43,7 @@ class MeshBuilder {
 
 /// Each reads to the end of the input.
 void read_ply_mesh(CloudInput& input, MeshBuilder& mesh);
-/// `bytes` is the length of the input, by which binary files are told from others.
+/// `bytes` is the length of the input, which distinguishes binary files from text.
 void read_stl(CloudInput& input, std::uint64_t bytes, MeshBuilder& mesh);
 
 }  // namespace gdtslam

@@ -6,14 +6,14 @@
 namespace gdtslam {
 namespace {
 
-/// The values of one element after the other, whether they are words of a line or bytes.
+/// Reads the values of elements in order, from words of a line or from bytes.
 class PlyMeshReader {
  public:
   PlyMeshReader(CloudInput& input, MeshBuilder& mesh, const PlyHeader& header)
       : input_(input), mesh_(mesh), row_(input, header.is_ascii, header.is_big_endian) {}
 
   void read(const CloudElement& element) {
-    if (element.columns.empty()) return;  // takes no byte, however many there are
+    if (element.columns.empty()) return;  // takes no bytes, for any number of them
     if (element.is_face) check_face(element);
     for (std::uint64_t k = 0; k < element.count; ++k) {
       begin_row(element, k);

@@ -10,10 +10,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 80;  // text, and then the number of triangles
+constexpr std::size_t kHeaderBytes = 80;  // text; the number of triangles follows
 constexpr std::size_t kTriangleBytes = 50;
 
-// The normal, the three corners, and two bytes that mean nothing.
+// Each triangle has a normal, three corners, and two unused bytes.
 void read_binary(CloudInput& input, std::uint64_t triangles, MeshBuilder& mesh) {
   input.bytes(kHeaderBytes + 4);
   for (std::uint64_t i = 0; i < triangles; ++i) {
@@ -70,7 +70,7 @@ void read_text(CloudInput& input, MeshBuilder& mesh) {
 
 }  // namespace
 
-// A text begins with "solid", but so do some binary files; the length tells them apart.
+// A text begins with "solid", but so do some binary files; the length distinguishes them.
 void read_stl(CloudInput& input, std::uint64_t bytes, MeshBuilder& mesh) {
   const char* const header = input.peek(kHeaderBytes + 4);
   const std::uint64_t triangles =

@@ -16,7 +16,7 @@ MessageCursor::MessageCursor(std::string_view bytes, MessageEncoding encoding) :
   if (encoding != MessageEncoding::kCdr) return;
   const std::string_view head = take(kEncapsulationBytes);
   const unsigned kind = 256U * static_cast<unsigned char>(head[0]) + static_cast<unsigned char>(head[1]);
-  // Plain CDR of both versions, big and little endian; the second one aligns nothing to 8 bytes.
+  // Plain CDR of both versions, big and little endian; the second version aligns nothing to 8 bytes.
   if (kind != 0 && kind != 1 && kind != 6 && kind != 7) {
     throw RecordingFault(fmt::format("has a CDR message of encoding {}; plain ones (0, 1, 6, 7) are read", kind));
   }
@@ -42,7 +42,7 @@ std::string_view MessageCursor::take_aligned(std::size_t size) {
 double MessageCursor::time() {
   const double seconds = encoding_ == MessageEncoding::kCdr ? static_cast<double>(whole<std::int32_t>())
                                                             : static_cast<double>(whole<std::uint32_t>());
-  constexpr double kParts = 1.0e9;  // divided, so that 600,000,000 of them are the double nearest to 0.6
+  constexpr double kParts = 1.0e9;  // used as a divisor, so that 600,000,000 gives the double nearest to 0.6
   return seconds + static_cast<double>(whole<std::uint32_t>()) / kParts;
 }
 
@@ -76,7 +76,7 @@ void MessageCursor::singles(std::vector<float>& values) {
   values.resize(size);
   if (is_big_ || std::endian::native != std::endian::little) {
     for (float& value : values) value = single();
-  } else if (size > 0) {  // behind their count they are aligned
+  } else if (size > 0) {  // they are aligned after their count
     std::memcpy(values.data(), take(size * sizeof(float)).data(), size * sizeof(float));
   }
 }

@@ -1,5 +1,5 @@
-// The fields of a message one after the other: ROS 1 serialisation, which is packed, and CDR as ROS 2 writes it, whose
-// values are aligned from behind the four bytes that say how the rest is encoded. Thread-safe; linear in the bytes.
+// Reads the fields of a message in order: the packed serialisation of ROS 1, and CDR of ROS 2, whose values are aligned
+// relative to the end of the four bytes that state the encoding. Thread-safe; linear in the bytes.
 #pragma once
 
 #include <bit>
@@ -16,7 +16,7 @@ namespace gdtslam {
 
 class MessageCursor {
  public:
-  /// Throws RecordingFault where the bytes of a CDR message say that they are something else.
+  /// Throws RecordingFault if a CDR message states another encoding.
   MessageCursor(std::string_view bytes, MessageEncoding encoding);
 
   template <class Whole>
@@ -39,7 +39,7 @@ class MessageCursor {
   std::string_view text();
   /// A frame's name without a leading slash.
   std::string frame();
-  /// The count of what follows, each of `least_bytes` at least. Throws RecordingFault where they cannot be there.
+  /// A count of items of at least `least_bytes` each. Throws RecordingFault if fewer bytes are left.
   std::size_t count(std::size_t least_bytes);
   void singles(std::vector<float>& values);
   [[nodiscard]] MessageEncoding encoding() const { return encoding_; }

@@ -14,8 +14,8 @@
 namespace gdtslam {
 namespace {
 
-// Lasers are made in degrees: the angle of the fewest decimals, up to four, of which this is the rounded one in
-// radians.
+// Lasers are made in degrees: finds the angle in degrees with the fewest decimals, up to four, that rounds to this one
+// in radians.
 double unrounded_angle(float rounded_rad) {
   const double deg = deg_from_rad(static_cast<double>(rounded_rad));
   for (double parts = 1.0; parts <= 10000.0; parts *= 10.0) {
@@ -25,7 +25,7 @@ double unrounded_angle(float rounded_rad) {
   return static_cast<double>(rounded_rad);
 }
 
-/// Types by name, and by the sum that ROS 1 makes of their definition.
+/// Types by name, and by the MD5 sum of their definition in ROS 1.
 struct KnownType {
   std::string_view name;
   std::string_view md5;
@@ -61,7 +61,7 @@ Transform3 read_transform(MessageCursor& cursor) {
   const double z = cursor.real();
   const double w = cursor.real();
   const double sq_norm = x * x + y * y + z * z + w * w;
-  const double s = sq_norm > 0.0 ? 2.0 / sq_norm : 0.0;  // 0: some leave it out where nothing is turned
+  const double s = sq_norm > 0.0 ? 2.0 / sq_norm : 0.0;  // 0: some writers omit the quaternion without a rotation
   T.rotation = {1.0 - s * (y * y + z * z), s * (x * y - z * w),       s * (x * z + y * w),
                 s * (x * y + z * w),       1.0 - s * (x * x + z * z), s * (y * z - x * w),
                 s * (x * z - y * w),       s * (y * z + x * w),       1.0 - s * (x * x + y * y)};
@@ -78,13 +78,13 @@ TransformMessage stamped_transform(MessageCursor& cursor) {
   return transform;
 }
 
-/// All before the ranges, which is the same with one echo and with many.
+/// Reads everything before the ranges, which is the same for one and several echoes.
 ScanMessage scan_without_ranges(MessageCursor& cursor) {
   ScanMessage scan;
   scan.stamp_s = cursor.header_time();
   scan.frame = cursor.frame();
   scan.first_bearing_rad = unrounded_angle(cursor.single());
-  (void)cursor.single();  // the last bearing, which follows from the step
+  (void)cursor.single();  // the last bearing; it follows from the step
   scan.bearing_step_rad = unrounded_angle(cursor.single());
   scan.beam_period_s = static_cast<double>(cursor.single());
   (void)cursor.single();  // between scans, seconds
@@ -93,7 +93,7 @@ ScanMessage scan_without_ranges(MessageCursor& cursor) {
   return scan;
 }
 
-/// Lasers that measured nothing, or one beam, divide by the number of steps between them.
+/// Drivers divide by the number of steps, which makes bearings not finite for a scan of one beam or none.
 void check_bearings(ScanMessage& scan) {
   const std::size_t beams = scan.ranges_m.size();
   if (beams == 0 && !std::isfinite(scan.first_bearing_rad)) scan.first_bearing_rad = 0.0;
@@ -146,7 +146,7 @@ ScanMessage read_echo_scan(const MessageBytes& message) {
 
 TransformMessage read_odometry(const MessageBytes& message) {
   MessageCursor cursor(message.bytes, message.encoding);
-  return stamped_transform(cursor);  // the covariance and speeds behind it are not used
+  return stamped_transform(cursor);  // the covariance and speeds after it are not used
 }
 
 std::vector<TransformMessage> read_transforms(const MessageBytes& message) {
@@ -195,7 +195,7 @@ NumberMessage read_number(const MessageBytes& message, std::string_view type) {
   if (kind == "UInt8") return whole(cursor.whole<std::uint8_t>());
   if (kind == "UInt16") return whole(cursor.whole<std::uint16_t>());
   if (kind == "UInt32") return whole(cursor.whole<std::uint32_t>());
-  return whole(cursor.whole<std::int64_t>());  // UInt64 goes on as a counter that wraps
+  return whole(cursor.whole<std::int64_t>());  // UInt64 continues as a counter that wraps
 }
 
 }  // namespace gdtslam

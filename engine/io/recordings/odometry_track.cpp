@@ -57,7 +57,8 @@ OdometryTrack::Taken OdometryTrack::take(const Odometry& pose) {
   return were_wild ? Taken::kForgot : Taken::kSetBack;
 }
 
-// Fewer poses that lie behind a leap, and without which those in the past go on from what was before.
+// Forgets the poses after a leap if they are fewer than kSetBack and the poses in the past continue from before the
+// leap.
 bool OdometryTrack::forget_wild() {
   for (std::size_t wild = 1; wild < kSetBack && wild < entries_.size(); ++wild) {
     const Entry& first = entries_[entries_.size() - wild];

@@ -123,7 +123,7 @@ class RecordingReader final : public DescribedLog {
     return channel->kind != MessageKind::kOther && topic == crank_topic_;
   }
 
-  /// Returns nothing at the end, and for a recording that was cut or, if that is tolerated, damaged.
+  /// Returns none at the end, and for a recording that was cut or, if tolerated, damaged.
   std::optional<RecordingItem> next_item() {
     try {
       return recording_->next([this](std::uint32_t channel) { return is_wanted(channel); },
@@ -224,14 +224,14 @@ class RecordingReader final : public DescribedLog {
     assembler_.add_scan(laser, std::move(scan), received_s);
   }
 
-  /// Counts the rest of the recording, so that the choice can be told with its numbers.
+  /// Counts the rest of the recording, so that the message lists the topics with their numbers.
   [[noreturn]] void refuse_to_choose() {
     try {
       while (const std::optional<RecordingItem> item =
                  recording_->next([](std::uint32_t) { return false; }, [](std::string_view, const std::string&) {})) {
         item->definition ? void(topics_.add(item->channel, *item->definition)) : void(topics_.count(*item));
       }
-    } catch (const RecordingFault&) {  // counted as far as it goes
+    } catch (const RecordingFault&) {  // counted up to the damage
     }
     throw UsageError(
         fmt::format("{}: has several topics with scans: {}; choose one with --topic, or all of them with "
@@ -239,7 +239,7 @@ class RecordingReader final : public DescribedLog {
                     name_, topics_.text(has_scans)));
   }
 
-  /// Checks that everything asked for by name is there. Each of several recordings may have some of the lasers alone.
+  /// Checks that all named topics exist. One of several recordings may have only some of the lasers.
   void check_choice() {
     const TopicChoice& choice = options_.topics;
     for (const std::string& topic : choice.scans) {
@@ -303,7 +303,7 @@ class RecordingReader final : public DescribedLog {
   std::string odometry_topic_;
   std::string crank_topic_;
   std::string joint_;
-  std::string unpacked_;  ///< the message that is being read, where it was packed by itself
+  std::string unpacked_;  ///< the current message, if it was packed alone
   std::uint64_t crank_messages_ = 0;
   std::uint64_t given_ = 0;
   bool is_over_ = false;

@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::size_t kMostFramesOfTopic = 4;
 constexpr std::size_t kMostJoints = 16;
-constexpr std::size_t kLongestNameKept = 256;  // bytes; names that are longer are not kept
-constexpr double kMoved = 1e-4;                // metres, or of a rotation's matrix
+constexpr std::size_t kLongestNameKept = 256;  // bytes; longer names are not kept
+constexpr double kMoved = 1e-4;                // metres, or entries of a rotation matrix
 
-// Small messages that begin with a header: pictures and clouds are not unpacked for their frames.
+// Types of small messages that begin with a header; pictures and clouds are not unpacked for their frames.
 constexpr std::array<std::string_view, 16> kHeadedTypes{"sensor_msgs/Imu",
                                                         "sensor_msgs/MagneticField",
                                                         "sensor_msgs/NavSatFix",
@@ -108,7 +108,7 @@ void RecordingSurvey::add(const TopicChannel& channel, const MessageBytes& messa
   if (message.bytes.empty() || !wants(channel)) return;
   try {
     look_into(topic, channel, message, received_s);
-  } catch (const RecordingFault&) {  // told by the reader where the message counts
+  } catch (const RecordingFault&) {  // the reader reports it if the message counts
   }
 }
 
@@ -150,7 +150,7 @@ void RecordingSurvey::add_number(TopicContents& topic, double value) {
 void RecordingSurvey::add_transforms(Topic& topic, const MessageBytes& message, double received_s) {
   const bool is_static = topic.contents.name.ends_with(kStaticTransforms);
   for (const TransformMessage& transform : read_transforms(message)) {
-    // One that never changes is stamped whenever it was set, and received when the recording began.
+    // A static transform is stamped when it was set, and received when the recording began.
     if (!is_static && transform.stamp_s != 0.0) topic.delays_s.add(received_s - transform.stamp_s);
     if (std::max(transform.parent.size(), transform.child.size()) > kLongestNameKept) continue;
     auto known = links_.find(transform.child);

@@ -1,6 +1,6 @@
-// Contents of a recording, collected in passing: its topics with rates, frames, clocks and numbers, and the tree of its
-// frames; and which of them its reader uses. Not thread-safe; memory is bounded: kMostSurveyed topics of each use and
-// FrameTree::kMostFrames frames are kept, without names that are longer than people give.
+// Contents of a recording, collected while reading: its topics with rates, frames, clocks and numbers, the tree of its
+// frames, and their use by the reader. Not thread-safe; memory is bounded: kMostSurveyed topics of each use and
+// FrameTree::kMostFrames frames are kept, without overlong names.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@
 
 namespace gdtslam {
 
-/// Quantiles of a stream of numbers of any length, out of at most kMost of them: it keeps every k-th one, where k is
-/// the least power of two of which not too many come.
+/// Quantiles of a stream of numbers of any length from at most kMost of them: keeps every k-th, with k the least power
+/// of two that gives few enough.
 class EvenSample {
  public:
   static constexpr std::size_t kMost = 512;  // even
@@ -36,7 +36,7 @@ class EvenSample {
     values_.push_back(value);
   }
   [[nodiscard]] std::uint64_t seen() const { return seen_; }
-  /// The kept number with that share of the others below it; 0 if there is none.
+  /// The kept number with that share of the others below it; 0 without numbers.
   [[nodiscard]] double quantile(double share) const {
     if (values_.empty()) return 0.0;
     std::vector<double> sorted = values_;
@@ -54,13 +54,13 @@ class EvenSample {
 class RecordingSurvey {
  public:
   static constexpr std::size_t kMostSurveyed = 256;
-  /// Once for each channel.
+  /// Call once for each channel.
   void add_channel(const RecordingChannel& channel);
-  /// Whether the bytes of its messages tell something: of the types that a map needs, and of small ones with a header.
+  /// True if the bytes of its messages are needed: types for a map, and small types with a header.
   [[nodiscard]] static bool wants(const TopicChannel& channel);
-  /// Without bytes it is only counted. A message that breaks its format is, too.
+  /// A message without bytes, or one that breaks its format, is only counted.
   void add(const TopicChannel& channel, const MessageBytes& message, double received_s);
-  /// Topics and frames; all as if nothing were used.
+  /// Topics and frames, without their uses.
   [[nodiscard]] LogContents contents() const;
 
  private:
@@ -83,7 +83,7 @@ class RecordingSurvey {
   std::uint64_t left_out_ = 0;
 };
 
-/// The choice that was asked for, and the topics that were taken.
+/// The requested choice, and the topics that are used.
 struct RecordingUses {
   const TopicChoice& choice;
   const std::string& odometry;                                    ///< empty: none, or transforms
@@ -91,7 +91,7 @@ struct RecordingUses {
   const std::map<std::string, std::size_t, std::less<>>& lasers;  ///< numbers by their topics
 };
 
-/// Fills in why a topic of a recording is used for a map or not, in words: uses, reasons, lasers, odometry and clocks.
+/// Fills in uses of topics and the reasons as text, lasers, odometry and clocks.
 void tell_uses(const RecordingUses& uses, const ScanAssembler& assembler, LogContents& contents);
 
 }  // namespace gdtslam

@@ -79,7 +79,7 @@ Reason explain_use(const TopicContents& topic, const RecordingUses& uses, const 
   return {TopicUse::kNone, "a map does not need it"};
 }
 
-/// Whether a topic's numbers are of the drive, by its name or that of its first joint: never how a laser nods.
+/// True if a topic's numbers are of the drive, by its name or that of its first joint; then they do not describe a nod.
 bool is_of_drive(const TopicContents& topic) {
   constexpr std::array<std::string_view, 8> kWheelWords{"wheel", "vel",   "speed", "rpm",
                                                         "left",  "right", "steer", "throttle"};

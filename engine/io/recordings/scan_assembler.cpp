@@ -14,17 +14,17 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLevelSine = 0.0523;  // sine of 3 degrees, by which ranges are 0.14 % too long
-constexpr double kMostSweep_s = 10.0;  // a longer one is no sweep, but a field that nobody filled
+constexpr double kLevelSine = 0.0523;  // sine of 3 degrees, which makes ranges 0.14 % too long
+constexpr double kMostSweep_s = 10.0;  // a longer one is not a sweep but an unset field
 
-/// From the first beam to the last; 0 where the message does not say.
+/// Time from the first beam to the last; 0 if the message does not state it.
 double sweep_s(const ScanMessage& scan) {
   if (!std::isfinite(scan.beam_period_s) || scan.ranges_m.empty()) return 0.0;
   const double duration_s = static_cast<double>(scan.ranges_m.size() - 1) * std::fabs(scan.beam_period_s);
   return duration_s <= kMostSweep_s ? duration_s : 0.0;
 }
 
-/// The laser's own step and direction, from right to left as seen from above.
+/// Turns the beams to run from right to left as seen from above.
 void turn_right_to_left(LaserScan& scan, bool is_upside_down) {
   if (is_upside_down) {
     scan.first_bearing_rad = -scan.first_bearing_rad;
@@ -33,7 +33,7 @@ void turn_right_to_left(LaserScan& scan, bool is_upside_down) {
   if (scan.bearing_step_rad < 0.0) turn_beams_round(scan);
 }
 
-/// REP 117: not a number, minus infinity and what is nearer than the least range say nothing of a place.
+/// REP 117: not a number, minus infinity and ranges below the minimum carry no information.
 void clear_missing_ranges(std::vector<float>& ranges_m, double min_range_m) {
   for (float& range_m : ranges_m) {
     if (!(range_m > 0.0F) || static_cast<double>(range_m) < min_range_m) {
@@ -84,7 +84,7 @@ void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double receive
 
 void ScanAssembler::take_scan(std::size_t laser, ScanMessage scan, double received_s) {
   scan_clock_.add(received_s, scan.stamp_s, sweep_s(scan));
-  // Its clock may have been set back, and that of the odometry with it: the next poses tell.
+  // Its clock may have been set back together with the odometry's: the next poses decide.
   const bool is_back = lasers_[laser].last_stamp_s - scan.stamp_s > OdometryTrack::kLeap_s;
   const std::uint64_t due = is_back ? poses_taken_ + OdometryTrack::kSetBack : 0;
   lasers_[laser].last_stamp_s = scan.stamp_s;
@@ -104,7 +104,7 @@ void ScanAssembler::add_odometry(const TransformMessage& pose, double received_s
   if (source_ == PoseSource::kTransforms) return;
   if (source_ == PoseSource::kUnknown) {
     source_ = PoseSource::kOdometry;
-    start_odometry();  // the poses so far are those of transforms
+    start_odometry();  // the poses so far are from transforms
   }
   add_pose(pose, received_s);
 }
@@ -176,7 +176,7 @@ void ScanAssembler::take_pose(const Odometry& pose, double received_s) {
   place_held_scans();
 }
 
-// A scan that waits while the clock is set back is near either side of that.
+// A scan that waits while the clock is set back belongs to the nearer side of the step.
 void ScanAssembler::place_held_scans() {
   for (Held& held : waiting_) {
     auto* const scan = std::get_if<HeldScan>(&held);
@@ -208,7 +208,7 @@ void ScanAssembler::settle_stamps() {
   for (std::size_t laser = 0; laser < lasers_.size(); ++laser) lasers_[laser].stamps.settle(scan_taker(laser));
 }
 
-// Clocks that are the same need no waiting. How far two others are apart is known the better, the more was received.
+// Equal clocks need no waiting. The difference of two clocks is known better, the more was received.
 bool ScanAssembler::is_clock_known(bool must_go) {
   const auto settle = [&](std::optional<double>& shift_s, const TopicClock& clock, std::string_view what) {
     if (shift_s || !clock.is_known()) return true;
@@ -236,7 +236,8 @@ double ScanAssembler::measure_shift(const TopicClock& clock, std::string_view wh
   return apart_s;
 }
 
-// Along the circular arc between the poses around it; nothing before the first, the last one after it.
+// Interpolates along the circular arc between the poses around the stamp; none before the first, the last pose after
+// it.
 std::optional<Pose2> ScanAssembler::odometry_at(std::uint64_t stretch, double stamp_s) const {
   const auto [before, after] = poses_.around(stretch, stamp_s);
   if (after == nullptr) return before == nullptr ? std::nullopt : std::optional(before->T_odom_base);
@@ -246,7 +247,7 @@ std::optional<Pose2> ScanAssembler::odometry_at(std::uint64_t stretch, double st
   return before->T_odom_base * exp_se2(share * log_se2(between(before->T_odom_base, after->T_odom_base)));
 }
 
-// The transforms of the mount may come some messages after the first scan.
+// The transforms of the mount may follow some messages after the first scan.
 bool ScanAssembler::is_complete(const HeldScan& held) const {
   const double stamp_s = held.scan.stamp_s;
   if (source_ == PoseSource::kUnknown || poses_.empty()) return false;
@@ -258,7 +259,7 @@ bool ScanAssembler::is_complete(const HeldScan& held) const {
   return std::all_of(lasers_.begin(), lasers_.end(), [&](const Laser& other) { return other.last_stamp_s >= stamp_s; });
 }
 
-// Upside down is level, too.
+// An upside-down laser is also level.
 void ScanAssembler::warn_of_tilt(const std::string& frame, const Transform3& mount) {
   const double sine = std::sqrt(mount.rotation[6] * mount.rotation[6] + mount.rotation[7] * mount.rotation[7]);
   if (sine <= kLevelSine) return;

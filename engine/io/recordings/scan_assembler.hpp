@@ -1,6 +1,6 @@
-// From the messages of a recording to scans with odometry: where each laser sits, which way its beams go, and where the
-// wheels were at the scan's stamp; with several lasers, their scans in the order of their stamps; the crank of a
-// nodding mount beside them. Frames: laser, base (the child of the odometry), odom. Not thread-safe; memory is bounded:
+// Assembles scans with odometry from the messages of a recording: mount of each laser, direction of its beams, and
+// odometry at the scan's stamp. Scans of several lasers are sorted by stamp; messages of a nodding mount's crank come
+// between them. Frames: laser, base (the child of the odometry), odom. Not thread-safe; memory is bounded:
 // kMostHeldScans scans wait for odometry, kMostHeldNumbers messages of a crank with them, OdometryTrack keeps poses.
 #pragma once
 
@@ -25,8 +25,7 @@
 
 namespace gdtslam {
 
-/// The source of odometry that --odom names: a topic, or "tf" with the frames of the transform that is odometry:
-/// tf[:FRAME[:BASE]].
+/// The source of odometry in --odom: a topic, or tf[:FRAME[:BASE]], the transform between these frames.
 struct OdometryChoice {
   std::string topic{};
   std::string frame{};
@@ -43,18 +42,18 @@ class ScanAssembler {
   using Warn = std::function<void(std::string_view kind, const std::string& detail)>;
   ScanAssembler(const ReadOptions& options, Warn warn);
 
-  /// A laser's number for the scans of a topic; call once a topic, in the order of their first scans.
+  /// A laser's number for the scans of a topic; call once for each topic, in the order of their first scans.
   std::size_t add_laser(const std::string& topic);
   void add_scan(std::size_t laser, ScanMessage scan, double received_s);
-  /// Takes a message of an odometry topic, which counts for more than transforms.
+  /// Takes a message of an odometry topic, which is preferred to transforms.
   void add_odometry(const TransformMessage& pose, double received_s);
-  /// A transform from an odometry frame, or from the one that was chosen, is odometry unless it is static; all others
-  /// say how frames lie to each other. Returns whether it was taken as odometry.
+  /// A transform from an odometry frame, or from the chosen one, is odometry unless it is static; all others go to the
+  /// tree of frames. Returns whether it was used as odometry.
   bool add_transform(const TransformMessage& transform, double received_s, bool is_static = false);
   /// A joint's message has a header; a number's has none, and its stamp is that of its receipt.
   void add_crank(const NumberMessage& number, double received_s, bool has_header = true);
-  /// The next record that is complete: of a scan the odometry, the mount and the scans of other lasers before it are
-  /// known, or too many wait, or it is the end.
+  /// The next complete record. A scan is complete if its odometry, its mount and earlier scans of other lasers are
+  /// known, if too many scans wait, or at the end.
   std::optional<LogRecord> next(bool at_end);
 
   // Findings so far, for reports.
@@ -62,14 +61,14 @@ class ScanAssembler {
   [[nodiscard]] const std::string& odometry_frame() const { return odometry_frame_; }
   [[nodiscard]] const std::string& base_frame() const { return base_; }
   [[nodiscard]] std::string frames_text() const { return frames_.text(); }
-  /// The shift that is added to stamps; nothing before it is settled.
+  /// The shift added to stamps; none before it is settled.
   [[nodiscard]] std::optional<double> odometry_shift_s() const { return pose_shift_s_; }
   [[nodiscard]] std::optional<double> crank_shift_s() const { return crank_shift_s_; }
-  /// The frame of the laser's scans, and who says where it sits; topic is left empty.
+  /// The frame of the laser's scans and the source of its mount; topic stays empty.
   [[nodiscard]] LaserContents laser_contents(std::size_t laser) const;
 
  private:
-  /// kUnknown: transforms, as long as no odometry has come.
+  /// kUnknown: transforms until odometry arrives.
   enum class PoseSource : std::uint8_t { kUnknown, kOdometry, kTransforms };
   struct Laser {
     std::optional<Pose2> T_base_laser;  ///< stated
@@ -81,7 +80,7 @@ class ScanAssembler {
     std::size_t laser = 0;
     ScanMessage scan;
     std::uint64_t stretch = 0;  ///< stretch of the odometry's clock
-    std::uint64_t due = 0;      ///< it waits for so many poses
+    std::uint64_t due = 0;      ///< number of poses that it waits for
   };
   using Held = std::variant<HeldScan, NumberMessage>;
   /// A number that keeps its place in the queue until its stamp is known.
@@ -95,7 +94,7 @@ class ScanAssembler {
   void add_pose(const TransformMessage& pose, double received_s);
   void take_scan(std::size_t laser, ScanMessage scan, double received_s);
   void take_pose(const Odometry& pose, double received_s);
-  /// Receivers of messages whose stamps are known.
+  /// Receivers of messages with known stamps.
   auto scan_taker(std::size_t laser);
   auto pose_taker();
   auto crank_taker();
@@ -117,7 +116,7 @@ class ScanAssembler {
   std::string odometry_frame_;
   std::string base_;
   std::vector<Laser> lasers_;
-  std::list<Held> waiting_;  ///< which stay where they are while others are put between them
+  std::list<Held> waiting_;  ///< a list, because elements must not move when others are inserted
   std::size_t held_scans_ = 0;
   OdometryTrack poses_;  ///< in the odometry's own clock
   std::uint64_t poses_taken_ = 0;
@@ -129,8 +128,8 @@ class ScanAssembler {
   std::optional<double> pose_shift_s_;  ///< from the odometry's clock to the laser's, once it is settled
   std::optional<double> crank_shift_s_;
   FrameTree frames_;
-  std::map<std::string, Transform3, std::less<>> mounts_;    ///< by the frames that scans have
-  std::set<std::string, std::less<>> frames_without_mount_;  ///< frames of scans whose transform had not come in time
+  std::map<std::string, Transform3, std::less<>> mounts_;    ///< by the frames of scans
+  std::set<std::string, std::less<>> frames_without_mount_;  ///< frames of scans whose transform did not come in time
 };
 
 }  // namespace gdtslam

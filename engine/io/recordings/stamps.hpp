@@ -1,7 +1,7 @@
-// Stamps of a topic's messages. A header without a stamp has 0 there, and its message gets the time of its receipt; but
-// a simulator's clock begins at 0, and then that is a time. The topic's second message tells which of them a first
-// stamp of 0 is: it is a time where stamps went on from it as receipts did. Until then the first message waits.
-// Seconds. Not thread-safe; one message is kept.
+// Stamps of a topic's messages. A header without a stamp has 0, and its message gets its time of receipt; but a
+// simulator's clock begins at 0, and then 0 is a time. The topic's second message decides about a first stamp of 0: it
+// is a time if stamps advanced from it as receipts did. Until then the first message waits. Seconds. Not thread-safe;
+// one message is kept.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace gdtslam {
 template <class Message>
 class FirstStamp {
  public:
-  /// Gives take(message, received_s, has_stamp) those whose stamps are known by now, in the order in which they came.
+  /// Calls take(message, received_s, has_stamp) for messages with known stamps, in the order of arrival.
   template <class Take>
   void add(Message message, double received_s, const Take& take) {
     if (zero_ == Zero::kUnknown && first_) {
@@ -34,7 +34,7 @@ class FirstStamp {
     give(std::pair(std::move(message), received_s), take);
   }
 
-  /// Called if no second message comes, or nobody can wait for it: a first stamp of 0 is none then.
+  /// Call if no second message comes, or nobody can wait for it: a first stamp of 0 then means no stamp.
   template <class Take>
   void settle(const Take& take) {
     if (!first_) return;
@@ -45,8 +45,8 @@ class FirstStamp {
   [[nodiscard]] bool is_waiting() const { return first_.has_value(); }
 
  private:
-  /// The largest difference of a simulator's clock, which may be slower or faster, from that of receipts, between two
-  /// messages.
+  /// The largest difference between a simulator's clock, which may run slower or faster, and the clock of receipts
+  /// between two messages.
   static constexpr double kMostOff_s = 10.0;
 
   using Received = std::pair<Message, double>;
@@ -65,21 +65,21 @@ class FirstStamp {
   Zero zero_ = Zero::kUnknown;
 };
 
-/// The clock of one topic: how far the stamps of two topics are apart is measured by the times at which their messages
-/// were received. At most kMostSamples numbers are kept.
+/// The clock of one topic, relative to the times of receipt; so the clocks of two topics can be compared. Keeps at most
+/// kMostSamples numbers.
 class TopicClock {
  public:
   static constexpr std::size_t kMostSamples = 64;
   /// Messages of one clock are received within this time after their stamps.
   static constexpr double kMostDelay_s = 1.0;
 
-  /// `duration_s`: how long after its stamp a message can have been sent at the earliest.
+  /// `duration_s`: least time from the stamp of a message to its sending.
   void add(double received_s, double stamp_s, double duration_s) {
     if (delays_s_.size() < kMostSamples) delays_s_.push_back(received_s - stamp_s - duration_s);
   }
   [[nodiscard]] bool is_known() const { return !delays_s_.empty(); }
-  /// Receipt minus stamp, by the message that was received fastest: the receiver's delays vary, and only ever add.
-  /// What is far from the median is a wrong stamp and does not count.
+  /// Receipt minus stamp of the message that was received fastest, because the receiver's delays vary and only add. A
+  /// value far from the median is a wrong stamp and does not count.
   [[nodiscard]] double offset_s() const {
     std::vector<double> sorted = delays_s_;
     std::sort(sorted.begin(), sorted.end());

@@ -1,5 +1,5 @@
-// The topics of a recording as far as it was read: what they hold, how many messages, how often. One table belongs to
-// one thread; at most kMostChannels channels are known.
+// The topics of a recording as far as it was read: types, numbers of messages, rates. One table belongs to one thread;
+// it knows at most kMostChannels channels.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace gdtslam {
 
-/// A channel with what it gave so far.
+/// A channel and the counts of its messages so far.
 struct TopicChannel {
   RecordingChannel definition;
   MessageKind kind = MessageKind::kOther;
@@ -24,10 +24,10 @@ struct TopicChannel {
 
 class TopicTable {
  public:
-  /// Returns null if the channel is known already, or there are too many.
+  /// Returns null if the channel is already known, or there are too many.
   const TopicChannel* add(std::uint32_t number, const RecordingChannel& definition);
   [[nodiscard]] const TopicChannel* find(std::uint32_t number) const;
-  /// Counts a message; its channel, null where it is not known.
+  /// Counts a message; returns its channel, null if unknown.
   const TopicChannel* count(const RecordingItem& message);
   /// "/scan (sensor_msgs/LaserScan, 1988 at 5.0 Hz), /rear (...)": each topic once, a dozen at most; "none".
   [[nodiscard]] std::string text(const std::function<bool(const TopicChannel&)>& is_told) const;

@@ -13,11 +13,12 @@
 namespace gdtslam {
 namespace {
 
-constexpr int kMostSteps = 32;  // up a tree of frames, which may be a ring
+constexpr int kMostSteps = 32;  // limit on steps up a tree of frames, which may have a cycle
 constexpr std::size_t kMostFramesTold = 12;
 constexpr std::array<std::string_view, 3> kBaseNames{"base_link", "base_footprint", "base"};
 
-// A quaternion takes the last bits of an angle. An angle that is a number of nine decimals but for them is that number.
+// A quaternion loses the last bits of an angle. An angle that differs from one of nine decimals only by them is that
+// one.
 double unrounded_heading(double heading_rad) {
   constexpr double kParts = 1e9;
   constexpr double kLost_rad = 2e-15;

@@ -1,4 +1,4 @@
-// A rotation and a shift in space, and how frames lie to each other. Metres. Thread-safe.
+// A rigid motion in space, and the tree of frames. Metres. Thread-safe.
 #pragma once
 
 #include <array>
@@ -21,24 +21,24 @@ struct Transform3 {
 };
 Transform3 operator*(const Transform3& a, const Transform3& b);
 /// The pose seen from above: position, and the direction of the x axis. An angle within 2e-15 rad of one of nine
-/// decimals, which is the loss of a quaternion, is that angle.
+/// decimals, the loss of a quaternion, is rounded to it.
 Pose2 seen_from_above(const Transform3& transform);
 
-/// Frame names may have the namespace of their robot before them: "robot1/" and "base_link" in "robot1/base_link".
+/// The namespace of a robot before a frame's name: "robot1/" in "robot1/base_link".
 std::string_view frame_namespace(std::string_view frame);
 std::string_view name_in_namespace(std::string_view frame);
-/// Whether a frame is called as those that odometry drifts in: odom, robot1/odom, odom_combined, camera_odom_frame.
+/// True for a usual name of a frame of odometry: odom, robot1/odom, odom_combined, camera_odom_frame.
 bool is_odometry_frame(std::string_view frame);
 
-/// How frames lie to each other, as far as they do not move; at most kMostFrames are kept.
+/// The tree of static frames; keeps at most kMostFrames.
 class FrameTree {
  public:
   static constexpr std::size_t kMostFrames = 4096;
   void add(const std::string& parent, const std::string& child, const Transform3& T_parent_child);
-  /// From a frame up to another one, or to one that is called as robots' bases are where `base` is empty. A frame that
-  /// is not in the tree is looked for in the namespace of `base`.
+  /// The transform from a frame up to `base`, or to one with a usual name of a base if `base` is empty. A frame that is
+  /// not in the tree is searched in the namespace of `base`.
   [[nodiscard]] std::optional<Transform3> find(const std::string& frame, const std::string& base) const;
-  /// The frames on the way, both ends included; empty where there is none.
+  /// The frames on the way, with both ends; empty if there is no way.
   [[nodiscard]] std::vector<std::string> chain(const std::string& frame, const std::string& base) const;
   /// "laser in plate, plate in base": for messages, at most a dozen.
   [[nodiscard]] std::string text() const;

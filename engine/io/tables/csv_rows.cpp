@@ -94,7 +94,7 @@ CsvRows::Column CsvRows::make_column(const std::string& name, const RowWarn& war
 void CsvRows::read_header(std::string_view line, const RowWarn& warn) {
   if (line.find(',') == std::string_view::npos) throw MalformedRow("has no comma: separate columns by commas");
   std::vector<Column> columns;
-  std::unordered_set<std::string> names;  // looked up alone: a header may name a hundred thousand
+  std::unordered_set<std::string> names;  // a set, because a header may name a hundred thousand
   std::string cell;
   for (std::string_view rest = line; next_cell(rest, cell);) {
     const std::string name = in_small_letters(cell);
@@ -151,7 +151,7 @@ bool CsvRows::parse(std::string_view line, TableRow& row, const RowWarn& warn) {
   if (count != columns_.size()) {
     throw MalformedRow(fmt::format("has {} cells where the header names {} columns", count, columns_.size()));
   }
-  // Empty cells behind the last of r0, r1, ... and x0, y0, ... are a shorter scan.
+  // Empty cells at the end of r0, r1, ... and x0, y0, ... make a shorter scan.
   if (ranges_ > 0) {
     while (!row.ranges_m.empty() && std::isnan(row.ranges_m.back())) row.ranges_m.pop_back();
   }

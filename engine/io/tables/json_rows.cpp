@@ -15,7 +15,7 @@ namespace {
 
 using JsonLine = nlohmann::json;
 
-constexpr int kDeepest = 18;  // brackets in brackets; a value that is not used may have them
+constexpr int kDeepest = 18;  // nesting of brackets, which unused values may have
 constexpr std::string_view kNan = "NaN";
 constexpr std::string_view kInfinity = "Infinity";
 

@@ -1,4 +1,4 @@
-// A line of a table to the values that it states. Thread-safe, except that a CsvRows belongs to one thread.
+// Parses a line of a table to its values. Thread-safe, but a CsvRows belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ namespace gdtslam {
 
 using RowWarn = std::function<void(std::string_view kind, std::string_view detail)>;
 
-/// A JSON object, in which only the arrays of numbers are nested. NaN and Infinity are read too, as Python writes them.
-/// Throws MalformedRow.
+/// A JSON object with only arrays of numbers nested in it. Accepts NaN and Infinity, which Python writes. Throws
+/// MalformedRow.
 void parse_json_row(std::string_view line, TableRow& row, const RowWarn& warn);
 
 /// Rows of CSV (RFC 4180, one line each); the first line names the columns.
 class CsvRows {
  public:
-  /// False for the header, which holds no row. Throws MalformedRow; nothing can be read after a wrong header.
+  /// False for the header, which is no row. Throws MalformedRow; nothing can be read after a wrong header.
   bool parse(std::string_view line, TableRow& row, const RowWarn& warn);
   [[nodiscard]] bool wants_header() const { return columns_.empty(); }
 

@@ -20,7 +20,7 @@ constexpr std::array kSensorNumbers{TableNumber::kLaserX,   TableNumber::kLaserY
                                     TableNumber::kAngleMin, TableNumber::kAngleMax,       TableNumber::kAngleIncrement,
                                     TableNumber::kRangeMax, TableNumber::kFirstBeamAfter, TableNumber::kTimeIncrement};
 
-/// All three or none.
+/// The pose if all three numbers are given, none if none is.
 std::optional<Pose2> pose_in(const TableRow& row, TableNumber x, TableNumber y, TableNumber theta) {
   if (!row[x] && !row[y] && !row[theta]) return std::nullopt;
   for (const TableNumber number : {x, y, theta}) {
@@ -53,7 +53,7 @@ std::vector<float> mended_ranges(const std::vector<double>& ranges_m, RangeRepai
   return mended;
 }
 
-/// The nearest point of each bearing. What lies in the laser itself is no return.
+/// The nearest point of each bearing. A point in the laser itself is no return.
 std::vector<float> ranges_of_points(const std::vector<double>& points_m, double first_rad, double step_rad,
                                     RangeRepairs& repairs) {
   if (points_m.size() % 2 != 0) throw MalformedRow("has points of an odd number of values: they are x and y in turn");
@@ -135,7 +135,7 @@ std::vector<LogRecord> RowRecords::records(TableRow& row, RangeRepairs& repairs)
   std::vector<LogRecord> records;
   if (row.name) records.emplace_back(Parameter{*row.name, row.value});
   require_finite(row);
-  // An increment takes the place of an angle_max said before, and the other way round.
+  // An increment replaces an earlier angle_max, and the reverse.
   if (row[TableNumber::kAngleMax] && !row[TableNumber::kAngleIncrement]) said_[TableNumber::kAngleIncrement].reset();
   for (const TableNumber number : kSensorNumbers) {
     if (row[number]) said_[number] = row[number];

@@ -1,5 +1,5 @@
-// Rows of tables to records. What is said of the sensor (bearings, limit, mount, times of the beams) holds for the rows
-// behind it too, until another says otherwise. One object belongs to one thread; linear in the beams.
+// Converts rows of tables to records. Values of the sensor (bearings, limit, mount, times of the beams) also apply to
+// later rows until one states others. One object belongs to one thread; linear in the beams.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,14 @@
 
 namespace gdtslam {
 
-/// The bearings of a scan that was a cloud of points: beams every 0.05 degrees, each with the nearest point within half
-/// a step; a point moves sideways by at most 0.44 mm for each metre of its range, and never along its beam.
+/// Beams of a scan from a cloud of points: one every 0.05 degrees, with the nearest point within half a step. A point
+/// moves sideways by at most 0.44 mm for each metre of its range, and never along its beam.
 inline constexpr int kPointBeams = 7200;
 
 class RowRecords {
  public:
   explicit RowRecords(const ReadOptions& options) : options_(options) {}
-  /// The records of the row, one for each kind of thing that it says: the crank's before the scan or the odometry.
-  /// Throws MalformedRow.
+  /// The records of the row, one for each kind: the crank's before the scan or the odometry. Throws MalformedRow.
   std::vector<LogRecord> records(TableRow& row, RangeRepairs& repairs);
 
  private:
@@ -29,7 +28,7 @@ class RowRecords {
   [[nodiscard]] Pose2 mount() const;
 
   ReadOptions options_;
-  TableRow said_;  ///< last of the sensor
+  TableRow said_;  ///< the last values of the sensor
 };
 
 }  // namespace gdtslam

@@ -1,9 +1,9 @@
-// Readers of CSV files and of JSON lines (docs/formats.md gives every column, rule and limit), for who wrote a logger
-// of their own. Metres, radians, seconds. Memory is bounded by the longest line allowed (4 MiB), whatever the log's
-// length. One reader belongs to one thread.
+// Readers of CSV files and of JSON lines (docs/formats.md gives every column, rule and limit), for logs of users' own
+// loggers. Metres, radians, seconds. Memory is bounded by the longest line allowed (4 MiB), for any length of the log.
+// One reader belongs to one thread.
 //
 // File order is kept. A malformed row throws InputError with file, line and column, or is counted with
-// ReadOptions::lenient; a last line that was cut off is dropped and counted.
+// ReadOptions::lenient; a cut last line is dropped and counted.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace gdtslam {
 
 enum class TableKind : std::uint8_t { kCsv, kJsonLines };
 
-/// A log out of a source that was unpacked already. Throws InputError when it is empty.
+/// A log from an unpacked source. Throws InputError if it is empty.
 std::unique_ptr<DescribedLog> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
                                          const ReadOptions& options);
 

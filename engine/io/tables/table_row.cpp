@@ -20,13 +20,13 @@ constexpr std::array<std::pair<std::string_view, TableNumber>, 4> kOtherNames{{{
                                                                                {"time", TableNumber::kStamp},
                                                                                {"yaw", TableNumber::kTheta},
                                                                                {"heading", TableNumber::kTheta}}};
-constexpr std::size_t kShortestHinted = 4;  // a column vx is not x misspelt
+constexpr std::size_t kShortestHinted = 4;  // so that a column vx is not a misspelt x
 
 std::vector<std::string> hinted_names() {
   std::vector<std::string> names(kTableNames.begin(), kTableNames.end());
   for (const std::string_view other : {kRangesColumn, kPointsColumn, kOdomKey, kMountKey}) names.emplace_back(other);
   for (const auto& [other, number] : kOtherNames) {
-    if (other.size() > kShortestHinted) names.emplace_back(other);  // type is not time misspelt
+    if (other.size() > kShortestHinted) names.emplace_back(other);  // so that type is not a misspelt time
   }
   std::erase_if(names, [](const std::string& one) { return one.size() < kShortestHinted; });
   return names;

@@ -13,7 +13,7 @@
 
 namespace gdtslam {
 
-/// A row that breaks its format; what() says how, with the name of the column.
+/// A row that breaks its format; what() states the fault with the name of the column.
 class MalformedRow : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -35,11 +35,11 @@ enum class TableNumber : std::uint8_t {
   kFirstBeamAfter,
   kTimeIncrement,
   kElevation,
-  kTicks,  // last: the only one that is whole
+  kTicks,  // last, because it alone is a whole number
 };
 inline constexpr std::size_t kTableNumbers = static_cast<std::size_t>(TableNumber::kTicks) + 1;
 
-/// Names of columns that are no numbers: lists, name and value of a parameter, and poses, which only JSON has.
+/// Names of columns without a number: lists, name and value of a parameter, and poses, which only JSON has.
 inline constexpr std::string_view kRangesColumn = "ranges";
 inline constexpr std::string_view kPointsColumn = "points";
 inline constexpr std::string_view kNameColumn = "name";
@@ -67,7 +67,7 @@ struct TableRow {
   }
 };
 
-/// The name of the column, as messages call it.
+/// The name of the column, for messages.
 std::string_view table_name(TableNumber number);
 
 /// By its name or one of its other names (timestamp, time, yaw, heading), in small letters.
@@ -78,7 +78,7 @@ std::optional<TableText> table_text(std::string_view name);
 /// "; did you mean 'angle_min'?" for a name of four letters or more that is no column but resembles one; else empty.
 std::string table_hint(std::string_view name);
 
-/// The number that all of the text is. Throws MalformedRow that names the column.
+/// The whole text as a number. Throws MalformedRow with the column.
 double table_value(std::string_view text, std::string_view column);
 std::int64_t table_whole(std::string_view text, std::string_view column);
 

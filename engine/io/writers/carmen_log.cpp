@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kLimitParameter = "robot_front_laser_max";
 
-/// CARMEN knows a step above 0 only.
+/// CARMEN only supports a step above 0.
 void turn_beams_right_to_left(LaserScan& scan) {
   if (scan.ranges_m.size() < 2 && !(scan.bearing_step_rad > 0.0)) scan.bearing_step_rad = rad_from_deg(1.0);
   if (!(scan.bearing_step_rad > 0.0)) turn_beams_round(scan);
@@ -58,7 +58,7 @@ class CarmenLog final : public LogWriter {
       double limit_m = 0.0;
       const char* const end = parameter.value.data() + parameter.value.size();
       const bool is_number = parse_double(parameter.value.data(), end, limit_m) == end;
-      if (is_number && limit_m > 0.0 && std::isfinite(limit_m)) {  // else readers leave it out
+      if (is_number && limit_m > 0.0 && std::isfinite(limit_m)) {  // otherwise readers ignore it
         told_max_range_m_ = limit_m;
         told_laser_ = 0;
       }
@@ -67,8 +67,8 @@ class CarmenLog final : public LogWriter {
     return true;
   }
 
-  // False if the scan would get another limit than it has. Readers give a scan of no limit the one that was told last,
-  // of whichever laser, and nothing takes that back.
+  // False if readers would give the scan another limit than its own. They give a scan without a limit the last stated
+  // one, of either laser, and nothing can revoke it.
   bool tell_limit(const ScanRecord& record, const std::string& at) {
     const double limit_m = record.scan.max_range_m;
     const bool is_known = limit_m > 0.0;
@@ -84,7 +84,7 @@ class CarmenLog final : public LogWriter {
       return true;
     }
     if (limit_m == told_max_range_m_ || !writer_.is_told_by_beam_count(record.scan)) return true;
-    const bool is_own = told_laser_ && !is_of_other;  // scans of the other one are left out by now
+    const bool is_own = told_laser_ && !is_of_other;  // scans of the other laser are left out already
     if (has_no_limit_[1 - record.laser] && !is_own) {
       leave_out(is_of_other ? "scan of another limit" : "limit of the ranges",
                 at + ": that of the other laser is not known");
@@ -118,9 +118,9 @@ class CarmenLog final : public LogWriter {
   TextSink sink_;
   CarmenWriter writer_;
   Pose2 T_odom_last_;
-  double told_max_range_m_ = 0.0;            ///< by the last PARAM; 0 if it has to be written again
-  std::optional<std::size_t> told_laser_{};  ///< laser of that PARAM, whose limit readers know from then on
-  std::array<bool, 2> has_no_limit_{};       ///< the last scan of each laser
+  double told_max_range_m_ = 0.0;            ///< limit of the last PARAM; 0 if it must be written again
+  std::optional<std::size_t> told_laser_{};  ///< laser of that PARAM
+  std::array<bool, 2> has_no_limit_{};       ///< for the last scan of each laser
 };
 
 }  // namespace

@@ -1,13 +1,13 @@
-// Writers of the single formats, of which make_log_writer() (log_writer.hpp) chooses one. `file` must outlive them.
+// Writers of the formats; make_log_writer() (log_writer.hpp) chooses one. `file` must outlive them.
 #pragma once
 
 #include "log_writer.hpp"
 
 namespace gdtslam {
 
-/// Lines of CARMEN. A scan without odometry gets the pose of the odometry record before it.
+/// Lines of CARMEN. A scan without odometry gets the pose of the previous odometry record.
 std::unique_ptr<LogWriter> make_carmen_log(AtomicFile& file);
-/// Rows of CSV. Every number is as short as reads back the same, so that a log gives the same map.
+/// Rows of CSV. Every number has the shortest form that reads back as the same bits, so that a log gives the same map.
 std::unique_ptr<LogWriter> make_csv_log(AtomicFile& file);
 /// Lines of JSON, with the same numbers.
 std::unique_ptr<LogWriter> make_json_lines_log(AtomicFile& file);

@@ -179,7 +179,7 @@ void McapWriter::write_chunk() {
   chunk_messages_ = 0;
 }
 
-// Behind the chunk, one for each channel, and where they stand into the index of the chunk.
+// Writes an index for each channel after the chunk, and their places to the index of the chunk.
 void McapWriter::write_message_indexes(std::string& chunk_index) {
   const std::uint64_t begin = sink_.bytes();
   std::string places;
@@ -247,7 +247,7 @@ void McapWriter::write_summary() {
   append_little_endian(footer, begin);
   append_little_endian(footer, begin + summary.size());
   summary += offsets;
-  // The checksum of the summary reaches into the footer, up to itself.
+  // The checksum of the summary includes the footer up to itself.
   std::string record = mcap_record(McapWritten::kFooter, footer + std::string(4, '\0'));
   record.resize(record.size() - 4);
   append_little_endian(record, static_cast<std::uint32_t>(update_checksum(record, update_checksum(summary))));

@@ -1,7 +1,7 @@
 // An MCAP file (https://mcap.dev/spec) of ROS 2 messages in CDR: chunks of 1 MiB with their indexes and checksums, a
-// summary with schemas, channels, statistics and the index of the chunks, so that viewers can seek. It is written from
-// front to back, so that it can go into a pipe. Memory: a chunk, and 100 bytes for each one written. One object belongs
-// to one thread.
+// summary with schemas, channels, statistics and the index of the chunks, so that viewers can seek. It is written
+// forwards, so that it can go to a pipe. Memory: a chunk, and 100 bytes for each one written. One object belongs to one
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@ class McapWriter {
  public:
   /// `file` must outlive this.
   McapWriter(AtomicFile& file, ChunkPacking packing);
-  /// The number by which add() knows it. Who plays a latched topic gives its last message to every late listener.
+  /// Returns its number for add(). Players give the last message of a latched topic to every late listener.
   std::uint32_t add_channel(const std::string& topic, RosType type, bool is_latched);
-  /// The message as it is, with the time when it came. Throws FileError, as finish() does.
+  /// Adds a message with its time of receipt. Throws FileError, as finish() does.
   void add(std::uint32_t channel, std::int64_t received_ns, std::string_view message);
   void finish();
   [[nodiscard]] std::uint64_t bytes() const { return sink_.bytes(); }
@@ -58,7 +58,7 @@ class McapWriter {
   Times times_;
   std::uint64_t messages_ = 0;
   std::uint64_t chunk_messages_ = 0;
-  unsigned long checksum_ = 0;  ///< sum of the data so far
+  unsigned long checksum_ = 0;  ///< checksum of the data so far
 };
 
 }  // namespace gdtslam

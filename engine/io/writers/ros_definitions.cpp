@@ -13,7 +13,7 @@
 namespace gdtslam {
 namespace {
 
-/// A type, whose fields name the packages of other types in it.
+/// A type; its fields name other types with their packages.
 struct RosPart {
   std::string_view package;
   std::string_view name;

@@ -62,7 +62,7 @@ class RosLog final : public LogWriter {
     return channels_.emplace(topic, container_.add_channel(topic, type, is_latched)).first->second;
   }
 
-  /// The time at which a robot would have got a message with this stamp: never before the messages that it got already.
+  /// The time at which a robot would have received a message with this stamp: never before earlier messages.
   std::int64_t received_ns(double stamp_s) {
     newest_ns_ = std::max(newest_ns_, ros_time_ns(stamp_s));
     return newest_ns_;
@@ -107,7 +107,7 @@ class RosLog final : public LogWriter {
                    ros_laser_scan(scan, frame, scan_time_s));
   }
 
-  // Its message has no stamp: only the time when it came says when it was.
+  // Its message has no stamp, so its time of receipt counts.
   bool write_encoder(const Encoder& encoder) {
     using Limits = std::numeric_limits<std::int32_t>;
     if (encoder.ticks < Limits::min() || encoder.ticks > Limits::max()) {

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kCovarianceNumbers = 36;
 
-/// Little endian values one after the other. Each starts at a multiple of its size, counted behind the four bytes that
-/// name the encoding.
+/// A sequence of little endian values. Each starts at a multiple of its size, counted from the end of the four bytes of
+/// the encoding.
 class WrittenMessage {
  public:
   template <class Whole>

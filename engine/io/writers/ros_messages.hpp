@@ -26,7 +26,7 @@ enum class RosType : std::uint8_t {
 
 /// "sensor_msgs/msg/LaserScan".
 std::string ros_type_name(RosType type);
-/// The fields of the type and of all types in it, as MCAP files carry them.
+/// The fields of the type and of all types in it, in the form of MCAP files.
 std::string ros_definition(RosType type);
 
 /// Nanoseconds since the epoch; the stamp must be at least 0 and below kRosStampLimit_s.
@@ -56,9 +56,9 @@ struct RosGrid {
   std::span<const std::int8_t> cells;
 };
 
-/// The stamp of its message: when the beam was measured that came first.
+/// The stamp of its message: the time of the beam measured first.
 double ros_scan_stamp_s(const LaserScan& scan);
-// Beams are written in the order in which they were measured, as ROS has them; a limit that is not known as infinity.
+// Writes beams in the order of measurement, as in ROS, and an unknown limit as infinity.
 std::string ros_laser_scan(const LaserScan& scan, std::string_view frame, double scan_time_s);
 std::string ros_odometry(const RosTransform& pose, const RosSpeed& speed);
 std::string ros_transforms(std::span<const RosTransform> transforms);

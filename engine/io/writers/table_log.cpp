@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-/// Numbers in a written CSV file, in their order; what is no number comes behind them.
+/// Numbers in a written CSV file, in order; other columns follow.
 constexpr std::array kWrittenNumbers{
     TableNumber::kStamp,          TableNumber::kX,          TableNumber::kY,
     TableNumber::kTheta,          TableNumber::kLaser,      TableNumber::kLaserX,
@@ -59,7 +59,7 @@ std::string csv_text(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"') quoted += '"';
-    quoted += c == '\n' || c == '\r' ? ' ' : c;  // a record is a line
+    quoted += c == '\n' || c == '\r' ? ' ' : c;  // a record must be a line
   }
   return quoted + '"';
 }

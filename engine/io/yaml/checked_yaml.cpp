@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostTextBytes = std::size_t{1} << 16;  // an alias may repeat a text a hundred thousand times
 constexpr std::size_t kMostNumberBytes = 200;
 
-// A message that quotes a file stays one line of readable text of this length.
+// A quote from a file in a message is one line of readable text of at most this length.
 constexpr std::size_t kMostShown = 400;
 
 std::string_view without_suffix(std::string_view text, std::string_view suffix) {
@@ -138,7 +138,7 @@ std::set<std::string> read_fields(const YamlValue& value, const std::vector<Yaml
       for (const YamlField& field : fields) known.emplace_back(field.key);
       at_key.refuse("unknown key '" + key + "'" + did_you_mean(key, known));
     }
-    if (entry.second.IsNull()) at_key.refuse("the key '" + key + "' has no value");  // which has no place of its own
+    if (entry.second.IsNull()) at_key.refuse("the key '" + key + "' has no value");  // a null has no place of its own
     given.emplace(key, YamlValue(entry.second, value.file(), value.name().empty() ? key : value.name() + "." + key));
   }
   std::set<std::string> keys;

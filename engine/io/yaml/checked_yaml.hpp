@@ -1,7 +1,6 @@
-// Reading YAML so that nothing in it is ignored: a mapping is read by a table of its fields, and a key that the table
-// does not have is refused, naming the nearest one that it has. Every message has file and line.
-// Quantities carry their unit ("5 cm", "2 deg/s"); a bare number is in metres, seconds or hertz, but an angle needs its
-// unit, because 90 is rather meant in degrees. Not thread-safe.
+// Reads YAML without ignoring anything: a mapping is read by a table of its fields, and an unknown key is refused with
+// the nearest known one. Every message has file and line. Quantities have units ("5 cm", "2 deg/s"); a bare number is
+// in metres, seconds or hertz, but an angle needs its unit, because 90 probably means degrees. Not thread-safe.
 #pragma once
 
 #include <concepts>
@@ -21,16 +20,16 @@
 
 namespace gdtslam {
 
-/// The kind of a number: a unit and what it is counted per, for example {Unit::kRadian, "/s"} or {Unit::kNone, "Hz"}.
+/// The kind of a number: a unit and a suffix, for example {Unit::kRadian, "/s"} or {Unit::kNone, "Hz"}.
 struct Quantity {
   Unit unit = Unit::kNone;
-  std::string_view suffix = "";  ///< may be left out of a bare number
+  std::string_view suffix = "";  ///< may be omitted from a bare number
 };
 
 /// Lists of more entries than this are refused.
 inline constexpr std::size_t kMaxYamlEntries = 100'000;
 
-/// A node with its file and its name in it ("walls[2].doors[0]"), for messages.
+/// A node with its file and its path in the file ("walls[2].doors[0]"), for messages.
 class YamlValue {
  public:
   YamlValue(const YAML::Node& node, std::string file, std::string name);
@@ -50,10 +49,10 @@ class YamlValue {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Throws ConfigError at this value.
   [[noreturn]] void refuse(const std::string& fault) const;
-  /// The same at the key below that the fault begins with, "bars.crank = ..." or "recording: scan_rate ...", as far as
-  /// the file has it.
+  /// The same at the key that the fault begins with, "bars.crank = ..." or "recording: scan_rate ...", if the file has
+  /// it.
   [[noreturn]] void refuse_below(const std::string& fault) const;
-  /// Throws ConfigError at this value when there is a fault.
+  /// Throws ConfigError at this value if there is a fault.
   void require_none(const std::vector<std::string>& faults) const;
 
  private:
@@ -64,7 +63,7 @@ class YamlValue {
   std::string name_;
 };
 
-/// A key of a mapping, and where its value goes. What is not given stays as it is.
+/// A key of a mapping, and the target of its value. Missing keys leave their targets unchanged.
 struct YamlField {
   using Read = std::function<void(const YamlValue&)>;
 
@@ -88,11 +87,11 @@ inline YamlField required(YamlField field) {
   return field;
 }
 
-/// Reads a mapping by its fields, in their order; returns the keys that are given. Throws ConfigError for a key that is
-/// in no field, given twice or without a value, and for a missing one that is required.
+/// Reads a mapping by its fields, in their order; returns the given keys. Throws ConfigError for an unknown key, a key
+/// given twice or without a value, and for a missing required one.
 std::set<std::string> read_fields(const YamlValue& value, const std::vector<YamlField>& fields);
 
-/// The value of the key that names a format. Throws ConfigError for another version than 1.
+/// The value of the key that names a format. Throws ConfigError for a version other than 1.
 void require_version_1(const YamlValue& version);
 
 }  // namespace gdtslam

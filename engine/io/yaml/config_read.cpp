@@ -34,7 +34,7 @@ enum class BareNumber { kAllowed, kRefused };
   throw std::invalid_argument(fmt::format("{}: {} {}", option.path, in_quotes(text), reason));
 }
 
-// A bound is taken as it is told, in six digits of a degree, too: it stands for the bound itself.
+// A bound may also be given as shown in messages, with six digits of a degree; then it stands for the exact bound.
 double within_told_bounds(const Option& option, double value) {
   for (const double bound : {option.min, option.max}) {
     if (show_quantity(value, option.unit) == show_quantity(bound, option.unit)) {
@@ -88,7 +88,7 @@ std::string_view parse_choice(const Option& option, const Choice& choice, std::s
                      nearest ? fmt::format("; did you mean {}?", *nearest) : std::string()));
 }
 
-/// Throws std::invalid_argument with "path: value: what is wrong".
+/// Throws std::invalid_argument with "path: value: fault".
 ParsedValue parse_option_value(const Option& option, std::string_view text, BareNumber bare) {
   switch (option.value.index()) {
     case 0:
@@ -140,7 +140,7 @@ std::string unknown_section(const std::string& path, std::span<const Option> opt
                  : unknown_name(path, options);
 }
 
-/// Walks a document, collects values and faults; changes nothing until all is right.
+/// Walks a document, collects values and faults; changes nothing if there is a fault.
 class ConfigDocument {
  public:
   ConfigDocument(const std::string& name, std::span<const Option> options) : name_(name), options_(options) {}
@@ -219,7 +219,7 @@ class ConfigDocument {
     }
   }
 
-  // A file may hold a hundred thousand faults; beyond those that are told they are only counted.
+  // A file may have a hundred thousand faults; only the first are listed, the others are counted.
   [[nodiscard]] bool has_room() const { return faults_.size() < kMaxFaults; }
 
   [[nodiscard]] const Option* find(std::string_view path) const {

@@ -22,7 +22,7 @@ SplitPath split(std::string_view path) {
   return dot == std::string_view::npos ? SplitPath{{}, path} : SplitPath{path.substr(0, dot), path.substr(dot + 1)};
 }
 
-/// The allowed values of an option, for people: the bounds, the names, nothing for a switch.
+/// The allowed values of an option, for people: bounds or names; empty for a switch.
 std::string bounds_text(const Option& option) {
   if (const auto* choice = std::get_if<Choice>(&option.value)) {
     return fmt::format(" ({})", fmt::join(choice->names(), ", "));
@@ -51,7 +51,7 @@ std::vector<std::string_view> list_sections(std::span<const Option> options) {
   return sections;
 }
 
-/// A section of several parts is written with its dots ("a.b:"), which reads back as the same path.
+/// Writes a section of several parts with dots ("a.b:"), which reads back as the same path.
 void append_section(std::string& text, std::string_view section, std::span<const Option> options) {
   const std::string_view indent = section.empty() ? "" : "  ";
   if (!section.empty()) {
@@ -86,7 +86,7 @@ Json make_schema(const Option& option) {
   return schema;
 }
 
-/// The object that holds the section's options, made where it is missing.
+/// The object of the section's options, made if missing.
 Json& object_at(Json& root, std::string_view section) {
   Json* object = &root;
   while (!section.empty()) {

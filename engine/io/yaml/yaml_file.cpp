@@ -87,7 +87,7 @@ std::string yaml_number(double value) {
   std::string text = fmt::format("{}", value);
   const std::size_t exponent = text.find('e');
   if (text.find('.') == std::string::npos) {
-    text.insert(std::min(exponent, text.size()), ".0");  // YAML 1.1 takes 1e-07 for a text
+    text.insert(std::min(exponent, text.size()), ".0");  // YAML 1.1 reads 1e-07 as a text
   }
   return text;
 }

@@ -11,7 +11,7 @@
 
 namespace gdtslam {
 
-/// Counted from 1; 0 where it is unknown.
+/// The line from 1; 0 if unknown.
 inline std::uint64_t find_line(const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.line < 0 ? 0 : static_cast<std::uint64_t>(mark.line) + 1;
@@ -25,9 +25,9 @@ class DescriptionFile {
   [[nodiscard]] std::string text(const char* key) const;
   [[nodiscard]] double number(const char* key) const;
   [[nodiscard]] double number_or(const char* key, double value) const { return has(key) ? number(key) : value; }
-  /// The keys resolution, which must be above 0, and origin, whose yaw must be 0; the size is the image's.
+  /// Geometry from the keys resolution, above 0, and origin, whose yaw must be 0; the size is the image's.
   [[nodiscard]] GridGeometry geometry() const;
-  /// The file that the key `image` names, in or below this file's folder; anything else is refused.
+  /// The file of the key `image`, in or below this file's folder; anything else is refused.
   [[nodiscard]] std::string image_path() const;
   [[noreturn]] void fail(const char* key, const std::string& message) const;
 
@@ -39,7 +39,7 @@ class DescriptionFile {
   YAML::Node root_;
 };
 
-/// The shortest text that reads back as the same double, in a form that YAML 1.1 and 1.2 readers take for a number.
+/// The shortest text that reads back as the same double, in a form that YAML 1.1 and 1.2 readers accept as a number.
 std::string yaml_number(double value);
 
 }  // namespace gdtslam

@@ -41,7 +41,7 @@ bool is_nested_too_deep(std::string_view text) {
   return false;
 }
 
-/// Counts the values of a document without building it, and ends the parser at one too many.
+/// Counts the values of a document without building it, and stops the parser beyond the limit.
 class NodeCounter final : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
@@ -73,7 +73,7 @@ class NodeCounter final : public YAML::EventHandler {
   std::size_t nodes_ = 0;
 };
 
-// True when something follows the first document. (YAML::LoadAll would tell, but never returns from some faulty texts.)
+// True if anything follows the first document. (YAML::LoadAll never returns from some faulty texts.)
 bool goes_on_after_its_document(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);

@@ -1,5 +1,5 @@
-// The one reader of YAML texts: it bounds what yaml-cpp may load, because yaml-cpp descends once per nested bracket or
-// indent, takes some hundred bytes a value and never returns from some faulty texts of several documents. Thread-safe;
+// The only reader of YAML texts. It bounds the text for yaml-cpp, which recurses for each nested bracket or indent,
+// takes some hundred bytes for a value and never returns from some faulty texts of several documents. Thread-safe;
 // linear in the text.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace gdtslam {
 template <class Failure>
 std::string read_text(const std::string& path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
 
-/// The one document of a text; `name` stands in messages. Throws `Failure` with the line for what is no YAML, a second
+/// The only document of a text; `name` is for messages. Throws `Failure` with the line for invalid YAML, a second
 /// document, nesting deeper than 32 brackets or 256 blanks, or more than kMaxYamlNodes values (io/file_limits.hpp).
 template <class Failure>
 YAML::Node parse_yaml(const std::string& text, const std::string& name);

@@ -36,7 +36,7 @@ constexpr std::chrono::seconds kLongestWait{1};
 }  // namespace
 
 bool is_stream(const std::string& log) {
-  std::error_code ignored;  // opening says what is wrong with a file that is not there
+  std::error_code ignored;  // opening reports a missing file
   const std::filesystem::file_status status = std::filesystem::status(log, ignored);
   return log == "-" || std::filesystem::is_other(status) || std::filesystem::is_fifo(status) ||
          std::filesystem::is_socket(status) || std::filesystem::is_character_file(status);
@@ -65,7 +65,7 @@ void StreamFile::add(const LogRecord& record) {
   if (lines_.size() >= kMostWaitingBytes || !file_) write();
 }
 
-// The next add() or sync() reports what cannot be written.
+// The next add() or sync() reports a failed write.
 void StreamFile::work() {
   std::unique_lock lock(mutex_);
   while (!over_.wait_for(lock, kLongestWait, [this] { return is_over_; })) {
@@ -170,11 +170,11 @@ std::string full_path(const std::string& log) {
 
 bool is_of_run(const KeptLog& log) { return fs::path(log.path).is_relative(); }
 
-// A file of another content is not read, whoever named it.
+// Refuses a linkage file with other content than the run's.
 void require_same_linkage(const KeptRequest& kept, const std::string& folder) {
   const std::string& linkage = kept.request.linkage;
   std::error_code ignored;
-  if (linkage.empty() || !fs::exists(linkage, ignored)) return;  // a preset, or its reader says what is wrong
+  if (linkage.empty() || !fs::exists(linkage, ignored)) return;  // a preset, or its reader reports the fault
   if (fs::is_regular_file(linkage, ignored) && sha256_of_file(linkage).sha256 == kept.linkage_sha256) return;
   throw InputError({linkage, 0}, fmt::format("has another SHA-256 than the linkage that the run in '{}' read", folder));
 }
@@ -247,7 +247,7 @@ KeptRequest read_continue_file(const std::string& file, const std::string& folde
   return kept;
 }
 
-// A log that goes away or is written to while it is mapped leaves a run that cannot be continued.
+// If a log is removed or changed while it is mapped, the run cannot be continued.
 KeptLog kept_log(const std::string& log, const std::optional<FileState>& before, const std::string& kept_file) {
   if (!kept_file.empty()) {
     return {log, fs::path(kept_file).filename().string(), sha256_of_file(kept_file).sha256};

@@ -20,7 +20,7 @@ std::uint64_t most_voxels(const CloudConfig& config) {
   return static_cast<std::uint64_t>(config.max_megavoxels) << 20U;
 }
 
-// Only what the removal asks for.
+// Only the surfaces to be removed.
 LevelSurfaces wanted(LevelSurfaces surfaces, CloudRemoval removal) {
   if (removal == CloudRemoval::kCeiling) surfaces.floor.reset();
   if (removal == CloudRemoval::kFloor) surfaces.ceiling.reset();
@@ -53,14 +53,14 @@ CloudOutput::CloudOutput(const CloudConfig& config, std::string path) : config_(
     thinning_ = std::make_unique<VoxelThinning>(config_.voxel_m, most_voxels(config_), *writer_);
 }
 
-// A full memory does not end the run: what follows is thinned by cubes twice as large.
+// A full memory does not end the run: later points are thinned by cubes twice as large.
 void CloudOutput::coarsen() {
   summary_.voxel_m *= 2.0;
   thinning_ = std::make_unique<VoxelThinning>(summary_.voxel_m, most_voxels(config_), *writer_);
 }
 
 CloudOutput::~CloudOutput() {
-  std::error_code ignored;  // a spool that is not there is as good as one removed
+  std::error_code ignored;  // the spool may be gone already
   if (!spool_.empty()) std::filesystem::remove(spool_, ignored);
 }
 

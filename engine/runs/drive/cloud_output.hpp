@@ -1,5 +1,5 @@
-// Writes the points of a 3D map: thinned, floor and ceiling taken out if that is asked for, into a file. Memory
-// does not grow with the cloud; what has to be seen as a whole goes through a spool file. One object, one thread.
+// Writes the points of a 3D map to a file: thinned, and on request without floor and ceiling. Memory does not grow with
+// the cloud; points that must be seen as a whole go through a spool file. One object, one thread.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace gdtslam {
 
 class CloudOutput : public CloudSink {
  public:
-  /// Writes to `path`; a spool file beside it is gone when this is. Throws FileError, as add() and finish() do.
+  /// Writes to `path`; the destructor removes the spool file beside it. Throws FileError, as add() and finish() do.
   CloudOutput(const CloudConfig& config, std::string path);
   ~CloudOutput() override;
   void add(std::span<const CloudPoint> points) override;

@@ -1,7 +1,7 @@
-// A sample of a stream of points whose length is not known. Each point has a rank that its number alone decides, and
-// those of low rank are kept, lower ones whenever the sample is full: every part of the stream has its share, no
-// period of the stream (the beams of a scan) shows in it, and it is the same on every run. One sample belongs to one
-// thread.
+// A sample of a stream of points of unknown length. Each point has a rank that depends on its number alone. Points of
+// low rank are kept, and the limit is lowered whenever the sample is full. So every part of the stream has its share,
+// no period of the stream (the beams of a scan) shows, and the sample is the same on every run. One sample belongs to
+// one thread.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ class CloudSample {
       ranks_.push_back(rank);
     }
   }
-  /// In the order in which they came.
+  /// In the order of arrival.
   [[nodiscard]] const Cloud& points() const { return points_; }
 
  private:

@@ -6,7 +6,7 @@
 namespace gdtslam {
 namespace {
 
-/// All of a scan but its ranges.
+/// A scan without its ranges.
 struct ScanHead {
   double stamp_s;
   double first_bearing_rad;

@@ -1,4 +1,4 @@
-// Scans as the laser gave them that wait until it is known where they belong. 4 bytes a range and 120 a scan.
+// Raw scans that wait until their poses are known. 4 bytes a range and 120 a scan.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The run of a laser, or of several, that do not nod: scans are mapped as they come, observation by observation, and
-// the loops are closed once the log has ended.
+// The run of lasers that do not nod: scans are mapped observation by observation, and the loops are closed once the log
+// has ended.
 #include <algorithm>
 #include <utility>
 
@@ -18,7 +18,7 @@ void MapRun::read_next(ScanAhead& ahead, NextObservation& next) {
   watch_.add_cpu_to(outcome_.read_cpu_s);
 }
 
-// The faults of the next observation count after this one.
+// A fault of the next observation is reported after this one.
 MatchResult MapRun::match(const Observation& observation, std::vector<ObservedScan>& places, ScanAhead& ahead,
                           NextObservation& next) {
   const ScanRecord& last = observation.back();
@@ -32,7 +32,7 @@ MatchResult MapRun::match(const Observation& observation, std::vector<ObservedSc
   return result;
 }
 
-// A change of the loops comes with the last scan.
+// A change of the loops is reported with the last scan.
 void MapRun::report_scans(const Observation& observation, const std::vector<ObservedScan>& places,
                           const MatchResult& match) {
   const bool is_moved = loops_ && !(loops_->correction() == T_closed_front_);
@@ -45,7 +45,7 @@ void MapRun::report_scans(const Observation& observation, const std::vector<Obse
   }
 }
 
-// The mapper counts an observation once, a run each of its scans.
+// The mapper counts observations, a run counts their scans.
 void MapRun::take_observation(const Observation& observation, const std::vector<ObservedScan>& places,
                               const MatchResult& match) {
   for (std::size_t i = 0; i < observation.size(); ++i) {
@@ -64,7 +64,7 @@ void MapRun::take_observation(const Observation& observation, const std::vector<
   }
 }
 
-// A live log that breaks off has been mapped so far, which is not lost with its sender.
+// If a live log breaks off, the map so far is kept.
 void MapRun::end_with(const std::exception_ptr& problem) {
   if (!request_.stop_ends_log) std::rethrow_exception(problem);
   try {
@@ -77,7 +77,7 @@ void MapRun::end_with(const std::exception_ptr& problem) {
   }
 }
 
-// Scans that were read before a stop that ends the log are in the kept log, so they are mapped.
+// If a stop ends the log, scans read before it are in the kept log, so they are mapped.
 void MapRun::map_flat(const Progress& progress) {
   ScanAhead ahead(scans_, has_threads_ && !request_.scan_mapped && are_plain_files(request_.logs));
   NextObservation next;
@@ -100,7 +100,7 @@ void MapRun::map_flat(const Progress& progress) {
   outcome_.read_cpu_s += ahead.cpu_s();
 }
 
-// Poses, keyframes and occupancy are those of the path with its loops closed.
+// Takes poses, keyframes and occupancy map from the path with its loops closed.
 void MapRun::close_loops() {
   if (mapper_->statistics().keyframes == 0) return;
   ClosedPath path = loops_->close(request_.closing, stop_);

@@ -21,7 +21,7 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostUncast = 256;  // scans that wait to be cast into the occupancy map
 
-// Linkage and mount of the model, or its mount alone where the elevation itself was measured.
+// Linkage and mount of the model, or its mount alone if the elevation itself was measured.
 NoddingScanner scanner_for(const NoddingJob& job) {
   return {
       .mount = job.model.mount,
@@ -123,7 +123,7 @@ void MapRun::note_stamp(double stamp_s) {
   last_s_ = std::max(last_s_, stamp_s);
 }
 
-// The pose given may be better than the match, which is what is in doubt. A nodding laser's come with its loops closed.
+// The given pose may be better than the match, whose doubts are noted. A nodding laser's pose has its loops closed.
 void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
   const bool is_final = nodding_ || !loops_;
   if (result.accepted) extent_.see(scan);
@@ -136,7 +136,7 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
                                  std::fabs(off.theta_rad)});
   }
   if (result.accepted && result.evaluations > 0) match_distances_m_.put(result.mean_cost_m);
-  // With loops closed the path begins with a keyframe, whatever its scan.
+  // With loops closed, the path begins with a keyframe even if its scan was not merged.
   const bool is_first = loops_ && poses_.size() == 0;
   is_merged_.push_back(!nodding_ && (result.merged || is_first));
   if (is_merged_.back()) merged_scans_.put(scan);
@@ -144,8 +144,8 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   poses_.put({result.stamp_s, T_map_base});
 }
 
-// A map that becomes too large for one piece is made in tiles, once it is known where all keyframes are. That of a
-// laser that nods has no keyframes to make it from.
+// A map that becomes too large for one piece is made in tiles once all keyframes have poses. A nodding laser has no
+// keyframes for tiles.
 void MapRun::count_in(const Pose2& T_map_base) {
   extent_.add(T_map_base.translation());
   if (outcome_.is_in_tiles || nodding_ || extent_.is_one_piece()) return;
@@ -165,7 +165,7 @@ void MapRun::cast(const LaserScan& scan, const Pose2& T_map_base) {
   casting_->give([this, scan, T_map_base] { occupancy_->add(scan, T_map_base); });
 }
 
-// The CPU time of the thread was added to the stage that ran meanwhile.
+// The CPU time of the thread is in the stage that ran meanwhile, so it is moved.
 void MapRun::finish_casting() {
   if (!casting_) return;
   casting_->finish();
@@ -216,7 +216,7 @@ void MapRun::map_nodding(const Progress& progress) {
   }
 }
 
-// With loops only now poses and points come, from the closed path.
+// With loops, poses and points come only now, from the closed path.
 void MapRun::finish_nodding() {
   std::optional<ClosedPath> path = nodding_->mapper->finish(request_.closing, stop_);
   if (!path) return watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
@@ -224,7 +224,7 @@ void MapRun::finish_nodding() {
   outcome_.interrupted = outcome_.interrupted || stop_();
 }
 
-// Without one merged scan there is no map to write.
+// Without a merged scan there is no map to write.
 void MapRun::require_a_map() const {
   if (outcome_.statistics.keyframes > 0) return;
   const FilePosition place{log_name(request_.logs.front()), 0};

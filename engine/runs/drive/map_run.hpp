@@ -1,7 +1,7 @@
-// Maps whole logs: feeds every scan to a Mapper, keeps the trajectory, the evidence against doubtful scans and the
-// occupancy map; where the laser nods also the poses of the scans between the horizontal ones, the 3D cloud, and how
-// well consecutive sweeps agree. One run belongs to one thread; where it may have more, scans are read ahead and cast
-// into the occupancy map by threads of its own, and the result is the same.
+// Maps whole logs: feeds every scan to a Mapper and keeps the trajectory, the evidence against doubtful scans and the
+// occupancy map. For a nodding laser also the poses of the scans between the horizontal ones, the 3D cloud, and how
+// well consecutive sweeps agree. One run belongs to one thread. If it may use more, its own threads read scans ahead
+// and cast them into the occupancy map, with the same result.
 #pragma once
 
 #include <algorithm>
@@ -41,15 +41,15 @@
 
 namespace gdtslam {
 
-/// 580 m x 580 m of 25 mm cells: as many as read_distance_field() takes.
+/// 580 m x 580 m of 25 mm cells: the limit of read_distance_field().
 inline constexpr double kMostCellsInOnePiece = static_cast<double>(std::uint64_t{1} << 29U);
 
 class MapExtent {
  public:
-  /// Beams without a return count as far as they are taken to be free.
+  /// Beams without a return count up to `no_return_free_m`.
   MapExtent(const MapperConfig& config, double no_return_free_m)
       : limit_m_(config.scan.max_range_m), reach_m_(no_return_free_m), resolution_m_(config.map.resolution_m) {}
-  /// How far it sees. O(beams).
+  /// Extends the range of the laser by this scan. O(beams).
   void see(const LaserScan& scan) {
     const double limit_m = range_limit_m(scan, limit_m_);
     for (const float range : scan.ranges_m) {
@@ -62,7 +62,7 @@ class MapExtent {
     high_m_ = is_empty_ ? robot_m : Point2(high_m_.cwiseMax(robot_m));
     is_empty_ = false;
   }
-  /// Whether all that the laser may have seen from there is in one piece.
+  /// True if everything that the laser may have seen fits in one piece.
   [[nodiscard]] bool is_one_piece() const {
     if (is_empty_) return true;
     const Point2 side_m = high_m_ - low_m_ + Point2(2.0 * reach_m_, 2.0 * reach_m_);
@@ -78,12 +78,7 @@ class MapExtent {
   Point2 high_m_ = Point2::Zero();
 };
 
-// Maps whole logs: feeds every scan to a Mapper, keeps the trajectory, the evidence against doubtful scans and the
-// occupancy map; where the laser nods also the poses of the scans between the horizontal ones, the 3D cloud, and how
-// well consecutive sweeps agree. One run belongs to one thread; where it may have more, scans are read ahead and cast
-// into the occupancy map by threads of its own, and the result is the same.
-
-/// Needs of a nodding log besides a MapRequest.
+/// Input for a nodding log besides a MapRequest.
 struct NoddingJob {
   NodKind kind = NodKind::kEncoder;
   calib::SweepModel model;
@@ -102,23 +97,23 @@ class MapRun {
   MapRun(const MapRequest& request, Backend& backend)
       : MapRun(request, backend,
                {request.logs, read_options_of(request.settings.log, request.lenient), request.range}) {}
-  /// With the logs open already. For a laser that nods its job, and where the points go, if anywhere.
+  /// With open logs. `nodding`: the job of a nodding laser; then the receiver of the points, if any.
   MapRun(const MapRequest& request, Backend& backend, ScanStream scans, const NoddingJob* nodding = nullptr,
          std::unique_ptr<CloudOutput> cloud = nullptr);
   ~MapRun();
 
   /// Called after each scan with the number of scans and the share done (negative when unknown).
   using Progress = std::function<void(std::uint64_t, double)>;
-  /// To be called once. Runs to the end, or until stop() is true. Throws InputError when the logs hold no scan that can
-  /// be mapped, or none that is horizontal where the laser nods, Error(kInterrupted) when stopped before a scan was
-  /// mapped, and DeviceError as Mapper does.
+  /// Call once. Runs to the end, or until stop() is true. Throws InputError if the logs hold no scan that can be
+  /// mapped, or, for a nodding laser, no horizontal scan; Error(kInterrupted) if stopped before a scan was mapped; and
+  /// DeviceError as Mapper does.
   MapOutcome run(const Progress& progress, const std::function<bool()>& stop);
 
   /// The map's distance field.
   [[nodiscard]] const GlobalField& field() const;
 
  private:
-  /// The observation after the one in hand: read, or not to be had, or not to be read.
+  /// The observation after the current one: read, absent, or unreadable.
   struct NextObservation {
     std::optional<Observation> observation;
     std::exception_ptr problem;
@@ -150,25 +145,25 @@ class MapRun {
   MapRequest request_;
   ScanStream scans_;
   std::unique_ptr<Mapper> mapper_;
-  LoopClosing* loops_ = nullptr;  ///< its own, where it closes loops
+  LoopClosing* loops_ = nullptr;  ///< the mapper's, if it closes loops
   MapSpeed speed_;
   Shelf<StampedPose> poses_;              ///< poses of scans that have one, in log order
-  Shelf<double> match_distances_m_;       ///< mean distance of the points to the map for each match that was taken
-  std::optional<LaserShelf> scans_kept_;  ///< scans of a flat laser, for the occupancy of a path that will still change
-  std::vector<bool> is_kept_;             ///< a scan each
-  std::vector<bool> is_merged_;           ///< a scan each: of a flat laser, whether it went into the map,
-  LaserShelf merged_scans_;               ///< and what the laser gave
+  Shelf<double> match_distances_m_;       ///< mean distance of the points to the map for each accepted match
+  std::optional<LaserShelf> scans_kept_;  ///< scans of a flat laser, cast once the path is final
+  std::vector<bool> is_kept_;             ///< for each scan, whether its match was accepted
+  std::vector<bool> is_merged_;           ///< for each scan of a flat laser, whether it went into the map
+  LaserShelf merged_scans_;               ///< the raw scans that did
   ObservationPoints observation_points_;
-  Shelf<ObservedScan> observed_;  ///< with loops, a scan each
-  MapperStatistics beside_;       ///< scans that are not the last one of their observation
+  Shelf<ObservedScan> observed_;  ///< one for each scan; with loops only
+  MapperStatistics beside_;       ///< counts for scans that are not the last of their observation
   MapExtent extent_;
-  std::optional<OccupancyBuilder> occupancy_;  ///< absent once the map is too large for one piece
+  std::optional<OccupancyBuilder> occupancy_;  ///< none once the map is too large for one piece
   bool has_threads_;
-  std::optional<SideThread> casting_;  ///< into occupancy_, once there is something to cast
+  std::optional<SideThread> casting_;  ///< casts into occupancy_, from the first scan to cast
   std::unique_ptr<Nodding> nodding_;   ///< null: the laser does not nod
-  Pose2 T_closed_front_;               ///< last one that was reported to listeners
+  Pose2 T_closed_front_;               ///< last pose reported to listeners
   std::function<bool()> stop_;
-  std::string broken_off_;  // problem that ended the log early
+  std::string broken_off_;  // the problem that ended the log early
   Stopwatch watch_;
   double first_s_;
   double last_s_;

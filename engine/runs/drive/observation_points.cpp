@@ -23,7 +23,7 @@ void ObservationPoints::see_odometry(const Observation& observation) {
   }
 }
 
-// Odometry that leaps between two scans says nothing.
+// Odometry that leaps between two scans is ignored.
 Pose2 ObservationPoints::T_last_scan(const ScanRecord& last, const ScanRecord& scan) const {
   const double after_s = scan.scan.stamp_s - last.scan.stamp_s;
   if (has_odometry_ && last.T_odom_base && scan.T_odom_base) {

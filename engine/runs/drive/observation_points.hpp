@@ -1,6 +1,6 @@
-// The scans of an observation as one scan: each is placed where the robot was when it was taken, by the odometry
-// between the stamps; where there is none, by the last motion of the map's poses. Frame: the robot at the stamp of the
-// last scan. Not thread-safe; linear in the beams.
+// The scans of an observation as one scan: each is placed at the robot's pose at its stamp, by the odometry between the
+// stamps; without odometry by the last motion of the map's poses. Frame: the robot at the stamp of the last scan. Not
+// thread-safe; linear in the beams.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace gdtslam {
 
 /// A scan in its observation.
 struct ObservedScan {
-  Pose2 T_last_scan;  ///< the robot when it was taken, seen from the robot at the last scan of the observation
+  Pose2 T_last_scan;  ///< the robot's pose at this scan, relative to its pose at the last scan
   bool is_last = true;
 };
 
@@ -26,10 +26,10 @@ class ObservationPoints {
 
   /// The robot's pose at each of its scans.
   [[nodiscard]] std::vector<ObservedScan> place(const Observation& observation);
-  /// All returns as one scan. Lasers none of whose scans are in the map yet come last, as its unknown points.
+  /// All returns as one scan. Lasers without a scan in the map come last, as its unknown points.
   [[nodiscard]] PointScan points(const Observation& observation, const std::vector<ObservedScan>& places);
-  /// The observation as it was matched. Where there is no odometry its motion is known only now, so the scans that were
-  /// placed by the last one are placed again.
+  /// Takes the match of the observation. Without odometry its motion is known only now, so scans placed by the previous
+  /// motion are placed again.
   void take(const Observation& observation, const MatchResult& match, std::vector<ObservedScan>& places);
 
  private:
@@ -44,16 +44,16 @@ class ObservationPoints {
   ScanConfig valid_;
   std::vector<Laser> lasers_;
   std::optional<Pose2> T_odom_first_;
-  bool has_odometry_ = false;     ///< logs without odometry state one pose again and again
+  bool has_odometry_ = false;     ///< logs without odometry repeat one pose
   std::optional<Odometry> last_;  ///< pose of the last observation, in the map
   std::optional<Eigen::Vector3d> speed_;
 };
 
-/// The match of an observation, at the stamp and the pose of one of its scans.
+/// The match of an observation, moved to the stamp and the pose of one of its scans.
 MatchResult match_of_scan(const MatchResult& match, const ScanRecord& scan, const ObservedScan& place);
 
-/// The path of the observations as one of their scans: each scan has a pose, a keyframe is all scans of its
-/// observation, and places and relations are those of the last one. The scans are those of all observations in order.
+/// Turns a path of observations into a path of their scans: each scan has a pose, a keyframe is all scans of its
+/// observation, and places and relations use its last scan. `scans`: the scans of all observations in order.
 ClosedPath path_of_scans(ClosedPath path, std::span<const ObservedScan> scans);
 
 }  // namespace gdtslam

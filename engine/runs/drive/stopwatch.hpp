@@ -1,5 +1,5 @@
-// Wall and CPU time since the last look at it, handed to one account after the other, so that nothing falls between
-// two. One watch belongs to one thread; the CPU time is that of all threads of the process.
+// Wall and CPU time since the last reading, without gaps between readings. One watch belongs to one thread; the CPU
+// time is that of all threads of the process.
 #pragma once
 
 #include <chrono>
@@ -43,8 +43,8 @@ class Stopwatch {
   double cpu_start_s_ = process_cpu_s();
 };
 
-// CPU time of a run by stage: the time of all threads of the process, handed to one stage after the other, so that
-// nothing falls between two. One object belongs to one thread.
+// CPU time of a run by stage, for all threads of the process, without gaps between stages. One object belongs to one
+// thread.
 
 class RunTimes {
  public:
@@ -59,7 +59,7 @@ class RunTimes {
     watch_.add_cpu_to(elsewhere_s);
   }
   [[nodiscard]] const std::vector<StageTime>& stages() const { return stages_; }
-  /// Since the object was made.
+  /// Reads the times since construction.
   void read_whole(double& wall_s, double& cpu_s) const {
     Stopwatch whole = whole_;
     wall_s = cpu_s = 0.0;

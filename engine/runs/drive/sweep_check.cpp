@@ -12,10 +12,10 @@ namespace gdtslam {
 namespace {
 
 constexpr float kTurnedBack_rad = 0.05F;  // a stroke has ended when the elevation is this far behind its furthest
-constexpr double kLeastWeakest = 1.0e-2;  // smallest over largest singular value for a correction to be believed
+constexpr double kLeastWeakest = 1.0e-2;  // least ratio of smallest to largest singular value for a reliable correction
 constexpr double kCell_m = 0.08;          // sweeps are compared by the means of their points in such cubes
 constexpr std::uint32_t kMostPoints = 1500;
-constexpr double kMostNoise = 3.0;  // standard deviations of the surfaces' noise that sweeps may be apart
+constexpr double kMostNoise = 3.0;  // allowed distance of sweeps in standard deviations of the surfaces' noise
 
 Point3 find_centre(const Cloud& cloud) {
   Point3 sum = Point3::Zero();
@@ -80,7 +80,7 @@ void SweepSampler::close_sweep() {
     options.max_points = kMostPoints;
     const RegistrationResult found = register_clouds(means, previous_means_, options);
     if (found.converged && found.weakest_share >= kLeastWeakest) {
-      // The shift is that of the sweep's centre: about the map's origin a turn would count as a shift.
+      // The shift is taken at the sweep's centre: at the map's origin a turn would count as a shift.
       const Point3 centre = find_centre(current_);
       const Point3 shift = found.T_target_source * centre - centre;
       const Eigen::Vector3d turn = log_so3(found.T_target_source.rotation);

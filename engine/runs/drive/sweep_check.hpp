@@ -16,7 +16,7 @@ namespace gdtslam {
 
 struct SweepCheckConfig {
   bool is_on = true;
-  std::uint32_t max_points = 20000;  ///< points kept of a sweep
+  std::uint32_t max_points = 20000;  ///< points sampled from a sweep
   std::uint32_t min_points = 500;    ///< a sweep with fewer is not compared
 };
 
@@ -40,7 +40,7 @@ class SweepSampler {
   std::uint64_t seen_ = 0;
   std::uint32_t scan_ = 0;
   bool has_scan_ = false;
-  float turning_rad_ = 0.0F;  ///< elevation of the furthest scan of this stroke
+  float turning_rad_ = 0.0F;  ///< elevation of the farthest scan of this stroke
   int stroke_ = 0;
   Point3 drift_m_ = Point3::Zero();
   Eigen::Vector3d drift_rad_ = Eigen::Vector3d::Zero();

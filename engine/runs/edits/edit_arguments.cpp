@@ -43,7 +43,7 @@ bool is_a_file(const std::string& text) {
   return std::filesystem::exists(text, ignored);
 }
 
-// Every line that is not empty without its comment.
+// Calls for every line that is not empty after its comment is removed.
 void for_each_place(const std::string& file,
                     const std::function<void(std::string_view text, const FilePosition& position)>& take) {
   LineReader lines(open_file_source(file), kMostPlaceLine);

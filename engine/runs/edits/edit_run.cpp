@@ -32,7 +32,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kFarthestFromOrigin_m =
-    10'000.0;  // from the origin: beyond that, cells in single precision lose their fractions
+    10'000.0;  // from the origin: farther away, cells in single precision lose their fractions
 
 std::vector<EditStep> recorded_steps(const std::string& file, const SourceRun& run) {
   if (run.earlier) {
@@ -51,7 +51,7 @@ std::vector<EditStep> recorded_steps(const std::string& file, const SourceRun& r
   return recorded.steps;
 }
 
-// The direction of the walls, in the frame after the steps so far.
+// The direction of the walls in the frame after the previous steps.
 WallDirection find_walls(const SourceRun& run, const Pose2& T_edited_run) {
   WallDirectionFinder finder;
   ScanPoints points(run.settings.mapper.scan);
@@ -83,8 +83,8 @@ std::optional<FrameEdit> frame_edit(const EditRequest& request, const SourceRun&
   return edit;
 }
 
-// An edit must not put the map so far from the origin that it loses its precision. A run that goes that far itself may
-// stay where it is, be turned, and come nearer.
+// An edit must not move the map so far from the origin that it loses precision. A run that is already that far may
+// stay, be turned, or come nearer.
 void check_distance(const SourceRun& run, const EditPlan& plan) {
   constexpr double kRounding_m = 1.0e-3;
   double before_m = 0.0;
@@ -158,7 +158,7 @@ MapRequest make_map_request(const EditRequest& request, const SourceRun& run) {
   return job;
 }
 
-// Whether map.pgm of the run has all of its cells: that of a run in tiles shows them by and large.
+// True if map.pgm has all cells of the run; for a run in tiles it is a coarser overview.
 bool has_all_cells(const SourceRun& run) {
   constexpr double kSameSize_m = 1.0e-9;
   const RunSummary& summary = run.reader.summary();
@@ -166,7 +166,7 @@ bool has_all_cells(const SourceRun& run) {
          std::fabs(summary.map->resolution_m - run.settings.mapper.map.resolution_m) < kSameSize_m;
 }
 
-// Whether beams of the scan may touch what is kept, by the bounds of each region.
+// True if beams of the scan may reach a kept region, by its bounds.
 bool may_reach(const std::vector<MapRegion>& kept, const ScanConfig& valid, const LaserScan& scan, const Pose2& T) {
   double reach_m = range_limit_m(scan, valid.max_range_m) + scan.T_base_laser.translation().norm();
   if (is_skewed(scan)) {
@@ -181,8 +181,8 @@ bool may_reach(const std::vector<MapRegion>& kept, const ScanConfig& valid, cons
   });
 }
 
-// The scans of the run cast anew. Scans outside a crop are cast too, as their beams may end in it; of a run in tiles,
-// which is too large for one piece, no more than may reach it.
+// Casts the scans of the run again. Scans outside a crop are cast too, because their beams may end in it. For a run in
+// tiles, too large for one piece, only scans that may reach the crop are cast.
 OccupancyMap cast_map(const EditRequest& request, const SourceRun& run, EditOutcome& outcome) {
   const EditPlan& plan = outcome.plan;
   const ScanConfig& valid = run.settings.mapper.scan;
@@ -201,8 +201,8 @@ OccupancyMap cast_map(const EditRequest& request, const SourceRun& run, EditOutc
   return builder.build();
 }
 
-// Cells of the run where nothing but a part of them is wanted; else those of its scans, with what changed between the
-// drives of a site as its keyframes tell of it, which have lost what is erased by now.
+// The run's own cells if the edit only crops; else cells from its scans, with the changes between the drives of a site
+// by its keyframes, whose erased readings are already removed.
 OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOutcome& outcome) {
   const EditPlan& plan = outcome.plan;
   if (!plan.has_other_frame && plan.erased.empty() && has_all_cells(run)) {
@@ -217,7 +217,7 @@ OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOu
   return cropped(std::move(map), plan.kept);
 }
 
-// Warnings about the run's logs stay true; those about pictures are replaced by the ones of this edit.
+// Warnings about the run's logs are kept; warnings about pictures are replaced by those of this edit.
 void tell_of_pictures(const std::vector<LogReader::Warning>& warnings, Json& report) {
   Json told = Json::object();
   const Json before = report.value("warnings", Json::object());
@@ -228,7 +228,7 @@ void tell_of_pictures(const std::vector<LogReader::Warning>& warnings, Json& rep
   report["warnings"] = std::move(told);
 }
 
-// The run's report, with what the edit made in place of what it replaced.
+// The run's report, with the values that the edit changed.
 std::string edited_report(const EditRequest& request, const SourceRun& run, const EditPlan& plan,
                           const WrittenField& field, const WrittenHashes& hashes, const RunFolder& folder) {
   Json report = run.report;
@@ -286,7 +286,7 @@ void keep_keyframe_scans(SourceRun& run) {
   if (!is_left) throw InputError("--crop and --erase leave nothing that was seen: no map can be made of it");
 }
 
-// The tiles of all keyframes, with what changed between the drives of a site as in its map.
+// Writes the tiles of all keyframes, with the changes between the drives of a site as in its map.
 void write_edited_tiles(const EditRequest& request, const SourceRun& run, const std::string& keyframes_sha256,
                         RunFolder& folder, EditOutcome& outcome) {
   const MapperConfig& config = run.settings.mapper;

@@ -1,7 +1,6 @@
-// A run whose map is turned, cropped, cleaned and georeferenced: what `gdtslam edit` does. The run itself is left
-// alone; its keyframes are moved and all outputs made anew from them, so that nothing is blurred by turning pictures.
-// The same bytes on every run. One call belongs to one thread. Cost: as reading the copies of the logs and casting
-// their scans, then some 0.5 ms a keyframe.
+// Turns, crops, cleans and georeferences the map of a run (`gdtslam edit`). The run itself is not changed: its
+// keyframes are moved and all outputs made from them, so that turning blurs no picture. The same bytes on every run.
+// One call belongs to one thread. Cost: reading the logs and casting their scans, then some 0.5 ms a keyframe.
 #pragma once
 
 #include <cstddef>
@@ -25,22 +24,23 @@ struct StatedOrigin {
 /// Throws UsageError.
 StatedOrigin parse_origin(const std::string& text);
 
-/// "X0,Y0,X1,Y1": two corners, whichever. Throws UsageError where it has no area.
+/// "X0,Y0,X1,Y1": two opposite corners in any order. Throws UsageError if it has no area.
 RegionBounds parse_rectangle(const std::string& text);
 
-/// "x,y x,y x,y ...": three corners and more; or a file with a corner a line, "x,y" or "x y", where `#` begins a
+/// "x,y x,y x,y ...": three corners and more; or a file with one corner in each line, "x,y" or "x y"; `#` begins a
 /// comment. Throws UsageError for the text, InputError with file and line for the file, FileError.
 MapRegion parse_region(const std::string& text_or_file);
 
-/// "x,y=E,N", a point; or a file with a point a line, "x,y=E,N", "x,y,E,N" or "x y E N". Throws likewise.
+/// "x,y=E,N", a point; or a file with one point in each line, "x,y=E,N", "x,y,E,N" or "x y E N". Throws like
+/// parse_region().
 std::vector<PointPair> parse_point_pairs(const std::string& text_or_file);
 
 struct EditRequest {
-  std::string run{};     ///< folder of `map` or `merge`, or one that was edited
+  std::string run{};     ///< folder of a run of `map`, `merge` or `edit`
   std::string folder{};  ///< folder of the results; made if need be
-  std::string again{};   ///< edits.json whose steps are done first; empty: none
+  std::string again{};   ///< edits.json with steps to do first; empty: none
   // In the frame of the run, with the steps of `again` done:
-  std::vector<PointPair> points{};  ///< known in the world
+  std::vector<PointPair> points{};  ///< points with known world coordinates
   std::optional<StatedOrigin> origin{};
   bool along_walls = false;  ///< the x axis
   bool north_up = false;     ///< the y axis
@@ -51,26 +51,26 @@ struct EditRequest {
   bool with_tiles = false;  ///< the map in tiles too
 
   bool with_pictures = true;
-  bool replace_foreign_files = false;  ///< files in the folder that no run wrote are removed, else it is refused
+  bool replace_foreign_files = false;  ///< foreign files in the folder are removed; otherwise the folder is refused
 
   std::function<void(std::string_view step, double share)>
-      progress{};  ///< the step at work, and its share that is done
+      progress{};  ///< the current step and the share of it that is done
   std::function<bool()> stop{};
 };
 
 struct EditOutcome {
-  std::vector<EditStep> steps;  ///< steps of this edit, those of `again` among them
+  std::vector<EditStep> steps;  ///< steps of this edit, including those of `again`
   EditPlan plan;                ///< the steps combined
   std::size_t tiles = 0;
-  std::uint64_t readings = 0;    ///< taken out of keyframes
-  std::uint64_t scans = 0;       ///< that the occupancy map was cast from; 0: its cells are those of the run
-  bool is_of_keyframes = false;  ///< the run's logs are gone or were changed
-  std::string edits;             ///< the text of edits.json
+  std::uint64_t readings = 0;                ///< readings removed from keyframes
+  std::uint64_t scans = 0;                   ///< scans cast into the occupancy map; 0: its cells are those of the run
+  bool is_of_keyframes = false;              ///< cast from keyframes, because the run's logs are gone or were changed
+  std::string edits;                         ///< the text of edits.json
   std::vector<LogReader::Warning> warnings;  ///< pictures that could not be made
 };
 
-/// Throws UsageError where the steps make no sense together, InputError where the run cannot be edited, FileError, and
-/// Error(kInterrupted) where stop() became true: then nothing is written.
+/// Throws UsageError if the steps contradict each other, InputError if the run cannot be edited, FileError, and
+/// Error(kInterrupted) if stop() became true; then nothing is written.
 EditOutcome edit_run(const EditRequest& request);
 
 }  // namespace gdtslam

@@ -46,7 +46,7 @@ CellBox cells_within(const GridGeometry& map, const std::vector<MapRegion>& kept
   return box;
 }
 
-// On the lattice of the map, whose cells lie at whole multiples of their size.
+// The origin of a part on the map's lattice, whose cells lie at whole multiples of their size.
 double origin_of_part(double origin_m, double resolution_m, std::int32_t cells) {
   return (std::floor(origin_m / resolution_m + 0.5) + static_cast<double>(cells)) * resolution_m;
 }
@@ -180,7 +180,7 @@ struct StepWriter {
   Json operator()(const WorldFileEdit& /*edit*/) const { return {{"step", "world-file"}}; }
 };
 
-/// Takes one step after the other.
+/// Applies one step at a time.
 struct PlanMaker {
   EditPlan plan;
 

@@ -48,7 +48,7 @@ std::vector<std::size_t> refused_scans(const RunReader& reader) {
   return refused;
 }
 
-// The part of an outcome that pictures and files of the run need.
+// The parts of an outcome for pictures and files of the run.
 MapOutcome read_outcome(const RunReader& reader, const RunKeyframes& kept) {
   const RunSummary& summary = reader.summary();
   MapOutcome outcome;
@@ -81,7 +81,7 @@ MapOutcome read_outcome(const RunReader& reader, const RunKeyframes& kept) {
   return outcome;
 }
 
-// By their files: a run that is a site itself has several drives in one.
+// Counted from the sessions' files, because a run that is itself a site has several drives.
 std::vector<std::size_t> scans_of_sessions(const RunReader& reader) {
   std::vector<std::size_t> scans;
   std::uint64_t sum = 0;
@@ -107,14 +107,14 @@ void turn(const SinCos<double>& by, PoseCovariance& c) {
   c.yt = s * was.xt + k * was.yt;
 }
 
-/// The logs of a run, and how it read them.
+/// The logs of a run and its options for reading them.
 struct RunLogs {
   std::vector<std::string> paths;
   ReadOptions options;
   ScanRange range;
 };
 
-// The logs of a run; none if one is gone or was changed, or if the run is of an older version.
+// None if a log is gone or was changed, or if the run is of an older version.
 std::optional<RunLogs> logs_of_run(const SourceRun& run) {
   const RunFiles& files = run.reader.files();
   if (!files.has(kContinueFile)) return std::nullopt;

@@ -1,5 +1,5 @@
-// A run as it is edited: everything of its folder that has a frame, read and checked, and the scans that its occupancy
-// map is cast from. Frame: the run's map. One call belongs to one thread; memory for one scan.
+// A run as input of an edit: everything in its folder that has a frame, read and checked, and the scans for its
+// occupancy map. Frame: the run's map. One call belongs to one thread; memory for one scan.
 #pragma once
 
 #include <cstddef>
@@ -22,24 +22,22 @@ struct SourceRun {
   Settings settings;
   RunKeyframes kept;
   std::vector<std::size_t> refused;  ///< scans that were not matched, ascending
-  /// Trajectory (keyframes with all digits), keyframes, drives, doubts, counts, and what is known of the closed path.
+  /// Trajectory (keyframes with all digits), keyframes, drives, doubts, counts, and the known facts of the closed path.
   MapOutcome outcome;
-  GraphLines graph;                      ///< empty where the run closed no loops
+  GraphLines graph;                      ///< empty if the run closed no loops
   std::vector<std::size_t> sessions;     ///< number of scans of each run of a merged site
   std::optional<RecordedEdits> earlier;  ///< steps of earlier edits of the run
 };
 
-/// Throws InputError with what to do where the folder is no run, its laser nods, or its files do not belong together;
-/// FileError.
+/// Throws InputError with advice if the folder is no run, its laser nods, or its files do not match; FileError.
 SourceRun read_source_run(const std::string& folder);
 
-/// Everything that has a frame, in the new one. Covariances are turned with their axes.
+/// Moves everything that has a frame to the new one. Covariances turn with their axes.
 void move_to_frame(const Pose2& T_edited_run, SourceRun& run);
 
-/// Each scan that the occupancy map was cast from, with its pose and the share of all that came before, in log order;
-/// `take` may change the scan. These are all scans that were matched, read from the run's logs, or its keyframes if a
-/// log is gone or was changed. Returns whether they came from the logs. Throws InputError if the logs are not of the
-/// run, FileError.
+/// Calls `take` for each scan of the occupancy map in log order, with its pose and the share done before it; `take` may
+/// change the scan. These are all matched scans from the run's logs, or its keyframes if a log is gone or was changed.
+/// Returns true if they are from the logs. Throws InputError if the logs are not of the run, FileError.
 bool for_each_cast_scan(const SourceRun& run,
                         const std::function<void(LaserScan& scan, const Pose2& T, double share)>& take);
 

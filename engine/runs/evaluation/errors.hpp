@@ -1,5 +1,5 @@
-// Single errors, which the figures of `gdtslam evaluate` summarise and plots draw, and the frame that clouds are
-// compared in. Thread-safe; O(n log n).
+// Single errors, for the figures and plots of `gdtslam evaluate`, and the frame in which clouds are compared.
+// Thread-safe; O(n log n).
 #pragma once
 
 #include <Eigen/Core>
@@ -19,8 +19,8 @@
 
 namespace gdtslam {
 
-/// One error of a pose against a reference trajectory, or of a verified relation [Kuemmerle2009], and when it was made
-/// (of a relation: its second stamp).
+/// Error of a pose against a reference trajectory, or of a verified relation [Kuemmerle2009], with its stamp (for a
+/// relation: its second stamp).
 struct TrajectoryError {
   double stamp_s = 0.0;
   double position_m = 0.0;
@@ -28,25 +28,24 @@ struct TrajectoryError {
 };
 
 /// A whole estimate in the frame of the reference, after the same rigid alignment as evaluate_reference(), with the
-/// error of each pose; nothing where no stamp of the reference is near. Throws InputError when fewer than two stamps
-/// match.
+/// error of each pose; none if the reference has no near stamp. Throws InputError if fewer than two stamps match.
 struct AlignedPath {
   Trajectory trajectory;
   std::vector<std::optional<TrajectoryError>> errors;
 };
 AlignedPath aligned_path(const Trajectory& estimate, const Trajectory& reference);
 
-/// After the same rigid alignment as evaluate_reference(), in the order of the estimate. Throws InputError when fewer
-/// than two stamps match.
+/// Errors after the same rigid alignment as evaluate_reference(), in the order of the estimate. Throws InputError if
+/// fewer than two stamps match.
 std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Trajectory& reference);
-/// In the order of the relations, those without their stamps in the trajectory left out.
+/// In the order of the relations; leaves out relations whose stamps the trajectory lacks.
 std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const std::vector<Relation>& relations);
 
-/// From a map's frame to that of the truth: the rigid alignment of the estimated to the true trajectory, which moves a
-/// cloud as a whole. Heights need none: both frames have the floor's.
+/// From a map's frame to the truth's: the rigid alignment of the estimated to the true trajectory, which moves a cloud
+/// as a whole. Heights are not aligned: both frames start at the floor.
 struct CloudFrame {
   Pose2 T_truth_map;
-  std::optional<ReferenceReport> trajectory{};  ///< figures of the alignment; none if the frames are said to agree
+  std::optional<ReferenceReport> trajectory{};  ///< figures of the alignment; none if the frames agree by option
 
   [[nodiscard]] Eigen::Vector3d in_truth(const CloudPoint& point) const {
     const Point2 place_m = T_truth_map * Point2(static_cast<double>(point.x_m), static_cast<double>(point.y_m));
@@ -54,28 +53,28 @@ struct CloudFrame {
   }
 };
 
-// A trajectory held against relations that somebody verified.
+// Comparison of a trajectory with verified relations.
 
 struct RelationCheck {
-  std::vector<Relation> relations;  ///< whose stamps tell which poses are meant
-  RelationReport report;            ///< on these
+  std::vector<Relation> relations;  ///< relations with unambiguous stamps
+  RelationReport report;            ///< errors of these relations
 };
 
-/// `name` is what the trajectory is of. Throws InputError at `name` where the stamps of all relations occur twice, at
-/// `relations_file` where the trajectory has those of none.
+/// `name` is the source of the trajectory, for messages. Throws InputError at `name` if the stamps of all relations
+/// occur twice, at `relations_file` if the trajectory has the stamps of none.
 RelationCheck check_relations(const Trajectory& trajectory, std::span<const Relation> given,
                               const std::string& relations_file, const std::string& name, double tolerance_s = 1e-4);
 
-// Whether errors are as large as a run says they may be: how many lie within one, two and three of the standard
-// deviations that covariance.csv states, and how many would if it were right. Thread-safe; O(n log n).
+// Consistency of errors with a run's stated covariances: how many errors lie within one, two and three standard
+// deviations of covariance.csv, and how many would if it were right. Thread-safe; O(n log n).
 //
-// The covariances of two poses do not say how the poses err together, so that of a relation between them is taken for
-// the sum of both. Poses near each other err alike, and then the sum is too large; two that err against each other, as
-// the ends of a map may, err by at most the square root of two more than it says.
+// The covariances of two poses do not state their correlation, so a relation between them gets the sum of both. Poses
+// near each other have similar errors, and then the sum is too large. Opposite errors, as at the ends of a map, exceed
+// the sum's standard deviation by at most the square root of two.
 
 inline constexpr std::size_t kStatedSigmas = 3;
 
-/// Errors of some kind by how many of their standard deviations they are long.
+/// Errors of one kind by their length in standard deviations.
 struct StatedShares {
   std::uint64_t count = 0;
   std::array<std::uint64_t, kStatedSigmas> within{};  ///< one, two, three standard deviations
@@ -97,20 +96,21 @@ inline constexpr StatedTheory kPositionTheory{{0.393469, 0.864665, 0.988891}, 1.
 struct StatedReport {
   StatedShares pose;
   StatedShares position;
-  std::uint64_t unstated = 0;  ///< errors whose deviation is nothing: no direction in which they could be too long
+  std::uint64_t unstated = 0;  ///< errors with a standard deviation of zero, which cannot be judged
 };
 
-/// Standard deviation of what the errors are measured against: along each axis, and of the heading.
+/// Standard deviation of the truth: along each axis, and of the heading.
 struct TruthNoise {
   double sigma_m = 0.0;
   double sigma_rad = 0.0;
 };
 
-/// Judges relations whose stamps the trajectory has, as evaluate_relations() matches them; one covariance a pose.
+/// Judges relations whose stamps the trajectory has, as evaluate_relations() matches them. Needs one covariance for
+/// each pose.
 StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCovariance> covariances,
                            std::span<const Relation> relations, const TruthNoise& noise, double tolerance_s = 1e-4);
-/// Judges poses against a reference, moved by the alignment that evaluate_reference() found: a covariance
-/// within the map states, and no sum.
+/// Judges poses against a reference, after the alignment of evaluate_reference(), by their own covariances within the
+/// map.
 StatedReport stated_errors(const Trajectory& trajectory, std::span<const PoseCovariance> covariances,
                            const Trajectory& reference, const Pose2& T_reference_estimate, const TruthNoise& noise,
                            double tolerance_s);

@@ -24,7 +24,7 @@ constexpr std::size_t kWords = 3;
 constexpr std::size_t kRowBytes = 8 * kDoubles + 4 * kWords;
 constexpr std::string_view kVertices = "element vertex ";
 
-// The header line by line, the number of rows apart.
+// The lines of the header, without the number of rows.
 constexpr std::array<std::string_view, 14> kHeader{"ply",
                                                    "format binary_little_endian 1.0",
                                                    "comment true hits of a simulated scan",
@@ -60,7 +60,7 @@ bool read_count(std::string_view line, std::uint64_t& count) {
   return code == std::errc{} && end == line.data() + line.size();
 }
 
-// A header's line is short; without an end the file is something else.
+// A header's line is short; without an end the file has another format.
 bool read_line(std::istream& file, std::string& line) {
   constexpr std::size_t kLongest = 80;
   line.clear();
@@ -71,7 +71,7 @@ bool read_line(std::istream& file, std::string& line) {
   return true;
 }
 
-/// The place that one returned beam really met; frame of the scene.
+/// The true hit of one beam; frame of the scene.
 struct TrueHit {
   Eigen::Vector3d place_m{0.0, 0.0, 0.0};
   double stamp_s = 0.0;  ///< when the beam was fired
@@ -79,11 +79,11 @@ struct TrueHit {
   std::uint32_t scan = 0;
 };
 
-/// The true hits that `simulate --truth-hits` writes (docs/simulation.md), row by row: the format and nothing else.
-/// Memory does not depend on the number of rows.
+/// Reads the true hits of `simulate --truth-hits` (docs/simulation.md) row by row, in exactly that format. Memory does
+/// not depend on the number of rows.
 class HitReader {
  public:
-  /// Throws FileError, or InputError for a file that is none of those, cut off or too long.
+  /// Throws FileError, or InputError for a file that has another format, is cut off or too long.
   explicit HitReader(const std::string& path);
   /// Returns no hit at the end. Throws InputError.
   std::optional<TrueHit> next();
@@ -139,7 +139,7 @@ constexpr double kSameBeam_s = 1e-6;
 constexpr double kRangeStep_m = 0.1;
 constexpr double kFarthest_m = 3000.0;
 
-// The bound is linear in the range but dear, so it is kept for each step of the range.
+// The bound is linear in the range but expensive, so it is kept for each step of the range.
 class BoundTable {
  public:
   explicit BoundTable(const Quantisation& quantisation) : quantisation_(quantisation) {}
@@ -160,12 +160,12 @@ class BoundTable {
   std::vector<double> bounds_m_;
 };
 
-// The hits of one scan after the other, in step with the cloud.
+// The hits scan by scan, in step with the cloud.
 class HitsByScan {
  public:
   explicit HitsByScan(const std::string& path) : reader_(path), ahead_(reader_.next()) {}
 
-  /// Finds the hit of the beam fired then; null if that beam has none. Scans must not go back.
+  /// Finds the hit of the beam at that time; null if it has none. Scans must not go back.
   const TrueHit* find(std::uint32_t scan, double stamp_s) {
     while (ahead_ && ahead_->scan <= scan) read_scan();
     if (hits_.empty() || hits_.front().scan != scan) return nullptr;

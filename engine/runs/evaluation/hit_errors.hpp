@@ -1,6 +1,6 @@
-// How far each point of a cloud is from the place that its own beam really met. Point and hit belong together by scan
-// and by the time when the beam was fired, so a thinned cloud can be judged too. Both files are in the order of scans
-// and beams; they are read piece by piece.
+// Distance of each point of a cloud from the true hit of its beam. Points and hits are matched by scan and by the time
+// of the beam, so a thinned cloud can be judged too. Both files are in the order of scans and beams, and are read piece
+// by piece.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace gdtslam {
 
-/// Steps that encoder and ranges were rounded to, for calib::quantisation_bound_m.
+/// Rounding steps of encoder and ranges, for calib::quantisation_bound_m.
 struct Quantisation {
   calib::SweepModel model;
   double range_resolution_m = 0.0;
@@ -29,9 +29,9 @@ struct HitErrorsJob {
   std::function<bool()> stop{};
 };
 
-/// The points against the bound, each at its own true range rounded up to 10 cm.
+/// Points compared with the bound, each at its true range rounded up to 10 cm.
 struct BoundCheck {
-  std::uint64_t beyond = 0;    ///< points further off than their bound
+  std::uint64_t beyond = 0;    ///< points with a distance above their bound
   double largest_share = 0.0;  ///< largest ratio of a distance to its bound
   double largest_bound_m = 0.0;
 };
@@ -39,13 +39,13 @@ struct BoundCheck {
 struct HitErrors {
   DistanceHistogram distances;
   std::uint64_t hits = 0;         ///< in the file
-  std::uint64_t without_hit = 0;  ///< points whose beam has no hit
+  std::uint64_t without_hit = 0;  ///< points without a hit of their beam
   std::optional<BoundCheck> bound{};
   bool interrupted = false;
 };
 
-/// Throws InputError or FileError for the files; InputError when no point has a hit, or the cloud does not tell scan
-/// and time; ConfigError for the model.
+/// Throws InputError or FileError for the files; InputError if no point has a hit, or the cloud lacks scan and time;
+/// ConfigError for the model.
 HitErrors hit_errors(const HitErrorsJob& job);
 
 }  // namespace gdtslam

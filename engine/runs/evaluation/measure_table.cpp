@@ -20,7 +20,7 @@ std::string_view ends_text(const Dimension& dimension) {
   return dimension.is_observed ? "both ends seen" : "an end not seen";
 }
 
-// With so many decimals; what rounds to zero has no sign.
+// With that number of decimals; a value that rounds to zero has no sign.
 std::string fixed(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
   if (text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
@@ -116,7 +116,7 @@ Json as_json(const MeasuredPlane& plane) {
           {"centre_m", as_json(patch.centre)}};
 }
 
-// A number, or nothing where nothing was seen.
+// A number, or an empty cell if nothing was seen.
 std::string csv_cells(const Dimension& dimension) {
   const int is_seen = dimension.is_observed ? 1 : 0;
   return is_known(dimension) ? fmt::format("{},{},{}", dimension.value_m, dimension.sigma_m, is_seen) : ",,0";

@@ -1,6 +1,6 @@
 // Boxes and planes in a cloud, for `gdtslam evaluate --boxes` and `--planes`: the search, and its results as text and
-// tables, boxes in centimetres, all else in metres and degrees. Thread-safe; O(boxes and planes), measure_cloud() that
-// of the searches.
+// tables, boxes in centimetres, all else in metres and degrees. Thread-safe; O(boxes and planes), measure_cloud() as
+// the searches.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -26,7 +26,7 @@ struct Measurement {
   std::uint64_t points = 0;
   std::optional<Point3> viewpoint;
   ViewpointSource viewpoint_source = ViewpointSource::kNone;
-  bool has_boxes = false;  ///< boxes were asked for
+  bool has_boxes = false;  ///< boxes were requested
   bool has_planes = false;
   bool is_projection = false;
   std::vector<MeasuredBox> boxes;
@@ -37,7 +37,7 @@ struct Measurement {
 std::string dimension_text(const Dimension& dimension);
 std::string as_text(const Measurement& measured);
 nlohmann::ordered_json as_json(const Measurement& measured);
-/// One heading with units and one row for each box; for each plane where no boxes were asked for.
+/// One heading with units and one row for each box; without boxes one for each plane.
 std::string as_csv(const Measurement& measured);
 
 struct MeasureJob {
@@ -47,13 +47,12 @@ struct MeasureJob {
   BoxSearch box_search{};  ///< without the viewpoint
   PlaneSearch plane_search{};
   bool finds_viewpoint = true;        ///< searches for one if none is given
-  std::optional<Point3> viewpoint{};  ///< given, in the coordinates of the file
-  /// Offset that was taken off the coordinates of the file (read_cloud()); all places measured are relative to it.
+  std::optional<Point3> viewpoint{};  ///< given viewpoint, in the coordinates of the file
+  /// Offset subtracted from the coordinates of the file (read_cloud()); all measured places are relative to it.
   std::array<double, 3> origin_m{};
 };
 
-/// Measures as `gdtslam evaluate --boxes` does: finds where the scanner stood unless that is given, then boxes and
-/// planes.
+/// Measures as `gdtslam evaluate --boxes` does: finds the viewpoint unless it is given, then boxes and planes.
 Measurement measure_cloud(const MeasureJob& job, std::span<const CloudPoint> cloud);
 
 }  // namespace gdtslam

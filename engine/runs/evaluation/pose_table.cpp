@@ -24,7 +24,7 @@ constexpr std::string_view kCovarianceColumns = "xx_m2,xy_m2,xt_m_rad,yy_m2,yt_m
 constexpr std::size_t kMostLineBytes = 4096;
 constexpr double kZ = 1.959963984540054;  // two-sided, for 95 %
 
-/// Cells of a line, one after the other.
+/// Reads the cells of a line in order.
 class TableCells {
  public:
   TableCells(std::string_view line, FilePosition position) : rest_(line), position_(std::move(position)) {}
@@ -89,7 +89,7 @@ Interval wilson(const Share& share) {
   return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
-/// Collects what is right and what is not.
+/// Counts right and wrong poses.
 class PosesComparison {
  public:
   PosesComparison(const Pose2& T_truth_map, const PoseLimits& limits) : T_truth_map_(T_truth_map), limits_(limits) {}

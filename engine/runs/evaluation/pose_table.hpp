@@ -1,5 +1,5 @@
-// Poses that `gdtslam localize` found, from its table, compared with known ones: how many are right, by what was said
-// of them. Frames: the map's and, after an alignment, that of the truth. Thread-safe; O(n log n).
+// Compares the table of poses from `gdtslam localize` with known poses: how many are right, by state. Frames: the map's
+// and, after an alignment, the truth's. Thread-safe; O(n log n).
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ struct FoundPose {
   std::optional<PoseCovariance> covariance{};
 };
 
-/// Whether the file begins with the columns of such a table. Throws FileError, InputError.
+/// True if the file begins with the columns of such a table. Throws FileError, InputError.
 bool is_pose_table(const std::string& path);
-/// Throws InputError with the line where something does not fit, FileError.
+/// Throws InputError with the wrong line, FileError.
 std::vector<FoundPose> read_pose_table(const std::string& path);
 
 /// A share of trials: k of n with the 95 % interval of [Wilson1927].
@@ -41,7 +41,7 @@ struct Share {
 };
 
 struct PoseLimits {
-  double within_m = 0.10;  ///< a pose so near to the truth is right
+  double within_m = 0.10;  ///< a pose this near to the truth is right
   double within_rad = rad_from_deg(1.0);
   double tolerance_s = ReferenceOptions{}.tolerance_s;
 };
@@ -54,20 +54,20 @@ struct WrongPose {
 };
 
 struct PosesReport {
-  Share within;                         ///< share of all scans with a true pose, those without a found one among them
+  Share within;                         ///< share of all scans with a true pose, including scans without a found pose
   std::map<std::string, Share> states;  ///< the same by state
-  std::uint64_t unmatched = 0;          ///< scans whose stamps the truth does not have, or has twice
+  std::uint64_t unmatched = 0;          ///< scans whose stamps the truth lacks, or has twice
   std::vector<WrongPose> wrong;         ///< in the order of the table
   ErrorSummary distance_m;              ///< errors of poses within the limits
   ErrorSummary angle_deg;
   std::optional<StatedReport> stated;  ///< statistics of poses within the limits, if the table has covariances
 };
-/// `T_truth_map` moves the poses into the frame of the truth. Throws InputError, without a file, where none has a true
+/// `T_truth_map` moves the poses into the frame of the truth. Throws InputError, without a file, if none has a true
 /// pose.
 PosesReport compare_poses(const std::vector<FoundPose>& poses, const Trajectory& truth, const Pose2& T_truth_map,
                           const PoseLimits& limits);
 
-/// Without scans that were taken at most `within_s` before or after one of these stamps.
+/// Leaves out scans taken at most `within_s` before or after one of these stamps.
 std::vector<FoundPose> without_near(std::vector<FoundPose> poses, std::vector<double> stamps_s, double within_s);
 
 }  // namespace gdtslam

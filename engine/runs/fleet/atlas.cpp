@@ -32,13 +32,13 @@ bool is_ros2_bag(const fs::path& folder) {
   return fs::is_regular_file(folder / "metadata.yaml", ignored);
 }
 
-// The tables of a run and of an atlas have names of logs and are none.
+// Tables of a run and of an atlas have names like logs, but are not logs.
 bool holds_results(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(folder / kReportFile, ignored) || fs::exists(folder / kOptionsFile, ignored);
 }
 
-// Links keep their names, which other machines may know; only what is above ".." has to be looked up.
+// Links keep their names, which other machines may know; only a path with ".." is resolved.
 fs::path absolute_path(const fs::path& path) {
   fs::path whole = fs::absolute(path);
   whole = std::find(whole.begin(), whole.end(), "..") == whole.end() ? whole.lexically_normal() : fs::canonical(whole);

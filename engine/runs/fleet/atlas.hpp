@@ -1,4 +1,4 @@
-// Which logs a fleet command maps, and which of them are those of a shard. No log is opened. Thread-safe.
+// The logs of a fleet command and of a shard of it. Opens no log. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -18,16 +18,16 @@ struct FleetLog {
   friend bool operator==(const FleetLog&, const FleetLog&) = default;
 };
 
-/// Whether a file's name ends as those of logs do: .log, .clf, .csv, .jsonl, .bag, .mcap or .db3, each plain or packed
+/// True if a file's name has the ending of a log: .log, .clf, .csv, .jsonl, .bag, .mcap or .db3, each plain or packed
 /// (.gz, .bz2, .xz, .zst).
 bool has_name_of_a_log(const std::filesystem::path& file);
 
-/// The logs that are named and those in folders that are named, each once: the largest first, then by path. A folder is
-/// searched with all below it, except hidden folders, links to folders, run folders and atlases. Throws FileError for
-/// what is not there; InputError for a folder without a log, and for a path that is no UTF-8 or has control characters.
+/// The named logs and the logs in named folders, each once: the largest first, then by path. Folders are searched
+/// recursively, except hidden folders, links to folders, run folders and atlases. Throws FileError for a missing path;
+/// InputError for a folder without a log, and for a path that is no UTF-8 or has control characters.
 std::vector<FleetLog> find_logs(const std::vector<std::string>& named);
 
-/// One of `count` parts of the logs, which may be mapped anywhere and at any time.
+/// One of `count` parts of the logs; parts are mapped independently.
 struct Shard {
   std::size_t number = 1;  ///< from 1
   std::size_t count = 1;
@@ -36,19 +36,18 @@ struct Shard {
 /// "3/20". Throws UsageError.
 Shard parse_shard(const std::string& text);
 
-/// Every count-th log, so that shards are about even.
+/// Every count-th log, so that shards have about equal sizes.
 std::vector<FleetLog> logs_of_shard(const std::vector<FleetLog>& logs, const Shard& shard);
 
 // The folder of a fleet's maps (docs/formats.md#atlas): options.txt, lists of logs, a record and a run folder for each
-// log, and what `gdtslam fleet finish` makes of them. Thread-safe.
+// log, and the results of `gdtslam fleet finish`. Thread-safe.
 
-/// The record of a log, logs/NAME/record.json, which is written last and is the only thing that says that the log is
-/// done.
+/// The record of a log, logs/NAME/record.json. It is written last, and it alone marks the log as done.
 struct FleetRecord {
   std::string log{};                ///< its absolute path
-  std::string outcome = "missing";  ///< or mapped; refused: its bytes are to blame; failed: the machine is
+  std::string outcome = "missing";  ///< or mapped; refused: a fault of its bytes; failed: a fault of the machine
   int exit_code = 0;
-  std::string reason{};  ///< why it is not mapped, one line
+  std::string reason{};  ///< why it was not mapped, one line
   std::string run{};     ///< the run folder, below the atlas
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;
@@ -96,7 +95,7 @@ void for_each_field(Record& record, const Visit& visit) {
 
 /// "drive.log-0123456789ab": the log's file name in plain letters and a hash of its path.
 std::string name_in_atlas(const std::string& log);
-/// "ATLAS/logs/NAME", where the record and the thumbnail of the map lie.
+/// "ATLAS/logs/NAME", the folder of the record and of the map's thumbnail.
 std::string record_folder(const std::string& atlas, const std::string& log);
 
 /// Atomic. Throws FileError.
@@ -106,13 +105,12 @@ std::optional<FleetRecord> read_record(const std::string& atlas, const std::stri
 
 inline constexpr const char* kOptionsFile = "options.txt";
 
-/// Makes the folder, and writes down the options, which are the same for all logs of an atlas, and which logs there
-/// are. Every shard does so. Throws UsageError if the atlas has other options or the folder holds something else;
-/// FileError.
+/// Makes the folder and writes the options, which are the same for all logs of an atlas, and the list of logs. Every
+/// shard calls it. Throws UsageError if the atlas has other options or the folder holds something else; FileError.
 void begin_atlas(const std::string& atlas, const std::string& options, const std::vector<FleetLog>& logs);
 
-/// The records of all logs of all lists, by path; "missing" are those that have no record or have lost their run
-/// folder. Throws FileError if there is no atlas.
+/// The records of all logs of all lists, by path; "missing" for a log without a record or whose run folder is gone.
+/// Throws FileError if there is no atlas.
 std::vector<FleetRecord> read_atlas(const std::string& atlas);
 
 struct AtlasSummary {
@@ -126,9 +124,9 @@ struct AtlasSummary {
   double path_m = 0.0;
   double log_duration_s = 0.0;
   double cpu_s = 0.0;
-  /// Empty while logs are failed or missing. Else over a line for each log, sorted: its hash, that of its options, its
-  /// outcome, the hash of its result. So it depends on the logs' bytes, the options and the program, and not on names
-  /// and order of the logs, shards, machines, instruction sets or devices.
+  /// Empty if any log is failed or missing. Else the hash of one line for each log, sorted: hash of the log, hash of
+  /// its options, outcome, hash of its result. So it depends on the logs' bytes, the options and the program, and not
+  /// on names and order of the logs, shards, machines, instruction sets or devices.
   std::string sha256{};
 };
 AtlasSummary summarise_atlas(const std::vector<FleetRecord>& records);
@@ -136,7 +134,7 @@ AtlasSummary summarise_atlas(const std::vector<FleetRecord>& records);
 /// atlas.json; its atlas_sha256 is null instead of empty.
 nlohmann::ordered_json atlas_json(const AtlasSummary& summary);
 
-/// A line a log with a header; RFC 4180.
+/// A header and one line for each log; RFC 4180.
 std::string summary_csv(const std::vector<FleetRecord>& records);
 
 }  // namespace gdtslam

@@ -31,13 +31,13 @@ constexpr std::array<std::string_view, 9> kHashedFiles{"cloud.ply", "config.yaml
                                                        "map.pgm",   "map.yaml",    "trajectory.tum"};
 constexpr std::array kHashedKeys{"map_sha256", "trajectory_sha256", "keyframes_sha256"};
 
-constexpr PictureSize kThumbnailSize{.width = 320, .height = 180};  // below 200 pixels a picture has no words
+constexpr PictureSize kThumbnailSize{.width = 320, .height = 180};  // below 200 pixels a picture has no text
 
 bool is_fault_of_the_log(ExitCode code) {
   return code == ExitCode::kBadInput || code == ExitCode::kUsage || code == ExitCode::kBadConfig;
 }
 
-/// The files of a log as they are now.
+/// The current files of a log.
 struct LogFiles {
   std::vector<std::string> paths;  ///< the file; for a ROS 2 bag the files in its folder, sorted
   std::vector<std::optional<FileState>> states;
@@ -103,7 +103,7 @@ void take_results(const std::string& report_text, FleetRecord& record) {
   record.result_sha256 = hash.hex();
 }
 
-// Without the name of the log, which stands beside it.
+// Removes the name of the log, which has its own column.
 std::string clean_reason(std::string message, const std::string& log) {
   if (!message.starts_with(log + ":")) return message;
   message.erase(0, log.size() + 1);
@@ -121,7 +121,7 @@ MappedFleetLog map_fleet_log(const FleetWork& work, const std::string& log) {
   MapRequest request = work.request;
   request.logs = {log};
   request.folder = work.atlas + "/" + record.run;
-  // A part of a log is of no use to anybody: one that is stopped leaves nothing.
+  // Nobody needs a part of a log, so a stopped run leaves nothing.
   request.stop = [&work] {
     if (work.request.stop && work.request.stop()) throw Error(ExitCode::kInterrupted, "interrupted");
     return false;
@@ -162,7 +162,7 @@ void write_thumbnail(const std::string& folder, const MapOutcome& outcome) {
     const RgbaImage image =
         rasterise(map_picture(outcome.occupancy, {outcome.trajectory, {}, {}, {}}, look, kThumbnailSize), 2.0);
     bytes = encode_png(image.width, image.height, image.pixels);
-  } catch (const Error&) {  // the page does without
+  } catch (const Error&) {  // the page has no thumbnail then
     return;
   }
   write_file_atomically(folder + "/" + kThumbnailName, bytes);

@@ -67,7 +67,7 @@ class LinkageReader {
     if (!faults.empty()) root_.refuse_below(faults.front());
   }
 
-  /// The keys of a section that are given; none where the file has no such section.
+  /// The given keys of a section; none if the file has no such section.
   std::set<std::string> read_section(const char* name, const std::vector<YamlField>& fields) const {
     const auto section = sections_.find(name);
     return section == sections_.end() ? std::set<std::string>() : read_fields(section->second, fields);
@@ -110,7 +110,7 @@ class LinkageReader {
     return name == "open" ? Assembly::kOpen : Assembly::kCrossed;
   }
 
-  // The lengths decide what everything else is unless the file says so: tick 0 and elevation 0 at the lowest dead
+  // The lengths give defaults for everything that the file does not state: tick 0 and elevation 0 at the lowest dead
   // point, lifting the slow stroke.
   void read_bars(bool has_preset, SweepModel& start) {
     calib::FourBar& bars = start.bars;
@@ -198,7 +198,7 @@ class LinkageReader {
   YamlValue root_;
   std::map<std::string, YamlValue> sections_;
   std::string file_;
-  std::string set_up_fault_;  ///< why the bars are no crank-rocker; empty when they are
+  std::string set_up_fault_;  ///< why the bars are no crank-rocker; empty if they are one
   LinkageFile linkage_;
 };
 
@@ -210,7 +210,7 @@ std::string preset_names() {
   return names;
 }
 
-// Centimetres where a round number of them reads back as the same bits, as for the lengths people measure.
+// In centimetres if a round number reads back as the same bits, as for lengths that people measure.
 std::string exact_length_text(double length_m) {
   constexpr double kDecimals = 1e8;
   const std::string metres = format_quantity(length_m, Unit::kMetre);
@@ -224,7 +224,7 @@ std::string quantity_text(double value, Unit unit) {
   return unit == Unit::kMetre ? exact_length_text(value) : format_quantity(value, unit);
 }
 
-// A scalar of YAML that stays text whatever is in it.
+// A YAML scalar that always reads back as text.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {

@@ -1,5 +1,5 @@
 // Linkage files: how a laser nods, as YAML (`gdtslam_linkage: 1`): bars, assembly, encoder, elevation, mount, laser
-// (docs/formats.md). Every message has file and line. Thread-safe; cost: that of the file.
+// (docs/formats.md). Every message has file and line. Thread-safe; linear in the file.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 
 namespace gdtslam {
 
-/// How well a parameter of the model is known, as calibrate found it. Names and units are those of
-/// calib::CalibratedParameter, surfaces excepted: crank, coupler, rocker, ground, lever.forward, lever.up in m;
-/// zero, offset, sensor.roll, sensor.yaw in rad.
+/// Uncertainty of a parameter of the model, from `calibrate`. Names and units are those of calib::CalibratedParameter,
+/// without surfaces: crank, coupler, rocker, ground, lever.forward, lever.up in m; zero, offset, sensor.roll,
+/// sensor.yaw in rad.
 struct ParameterSigma {
   std::string name;
   double sigma = 0.0;
@@ -23,29 +23,29 @@ struct ParameterSigma {
 
 struct LinkageFile {
   calib::SweepModel model;
-  std::vector<ParameterSigma> uncertainty;  ///< in the file's order; empty when the file states none
+  std::vector<ParameterSigma> uncertainty;  ///< in the file's order; empty if the file states none
 };
 
-/// Throws FileError when the file cannot be read, else ConfigError with file, line, what is wrong and what to do.
+/// Throws FileError if the file cannot be read, else ConfigError with file, line, fault and advice.
 LinkageFile read_linkage_file(const std::string& file);
-/// The same from text; `file` stands in messages.
+/// The same from text; messages name `file`.
 LinkageFile read_linkage_text(const std::string& text, const std::string& file);
 /// The model alone.
 calib::SweepModel read_linkage(const std::string& file);
-/// A preset's name, else a file. Throws as the above, and FileError with the nearest preset where it is neither.
+/// Reads a preset by name, else a file. Throws like read_linkage(); FileError with the nearest preset if it is neither.
 calib::SweepModel resolve_linkage(const std::string& name_or_path);
 
-/// The file that resolve_linkage() would read; empty where that is a preset's name.
+/// The file that resolve_linkage() would read; empty for a preset's name.
 std::string linkage_file_of(const std::string& name_or_path);
 
-/// A file that reads back as the same model, bit for bit. Sigmas of names that are no parameter of the model (a wall's
-/// distance) are left out.
+/// Text of a file that reads back as the same model, bit for bit. Leaves out sigmas of names that are not parameters of
+/// the model (a wall's distance).
 std::string linkage_text(const calib::SweepModel& model, const std::vector<ParameterSigma>& uncertainty = {});
 /// Atomic. Throws FileError.
 void write_linkage(const std::string& file, const calib::SweepModel& model,
                    const std::vector<ParameterSigma>& uncertainty = {});
 
-/// A calibrated parameter that a linkage file may state the uncertainty of.
+/// A calibrated parameter whose uncertainty a linkage file may state.
 struct LinkageParameter {
   const char* name;  ///< name in calib::CalibratedParameter
   Unit unit;
@@ -66,7 +66,7 @@ inline constexpr std::array<LinkageParameter, 10> kLinkageParameters{{{"crank", 
 /// with `suffix`: the name of a file that belongs to a log.
 std::string sidecar_path(const std::string& log, const std::string& suffix);
 inline constexpr const char* kLinkageSidecar = ".linkage.yaml";
-/// sidecar_path(log, kLinkageSidecar) where that file exists; empty where not, and for the standard input.
+/// sidecar_path(log, kLinkageSidecar) if that file exists; else empty, as for the standard input.
 std::string linkage_sidecar(const std::string& log);
 
 }  // namespace gdtslam

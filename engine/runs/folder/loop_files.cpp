@@ -24,8 +24,8 @@ namespace {
 constexpr std::string_view kColumns = "stamp_s,xx_m2,xy_m2,xt_m_rad,yy_m2,yt_m_rad,tt_rad2";
 constexpr std::size_t kValues = 7;
 constexpr std::size_t kMostRowBytes = 4096;
-constexpr double kRounding = 1.0e-9;  // by which correlations may exceed 1
-constexpr double kNothing = 1.0e-12;  // a micrometre squared: what is left of differences of large numbers
+constexpr double kRounding = 1.0e-9;  // excess of a correlation over 1 that counts as rounding
+constexpr double kNothing = 1.0e-12;  // a micrometre squared: rounding error of differences of large numbers
 
 [[noreturn]] void refuse_row(const FilePosition& position, const std::string& fault) {
   throw InputError(position, fmt::format("the row {}; a row is `{}`", fault, kColumns));
@@ -92,7 +92,7 @@ constexpr std::string_view kVertex = "VERTEX_SE2";
 constexpr std::string_view kEdge = "EDGE_SE2";
 
 std::size_t scan_number(double value, const FilePosition& position) {
-  constexpr double kMostScanNumber = 1.0e15;  // whole numbers of a double
+  constexpr double kMostScanNumber = 1.0e15;  // a double holds whole numbers up to here
   if (!(value >= 0.0 && value < kMostScanNumber) || value != std::floor(value)) {
     throw InputError(position, fmt::format("has {} where the number of a scan should be", value));
   }

@@ -180,7 +180,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// A map that somebody cleaned by hand is the one thing that is changed on purpose.
+// Only maps are changed on purpose: somebody may have cleaned one by hand.
 std::string advice_on(const std::string& name) {
   const bool is_of_map = name == "map.pgm" || name == "map.yaml";
   return is_of_map
@@ -260,7 +260,7 @@ bool RunFiles::is_checked(const std::string& name, const FileState& state) const
   return found != checked_->states.end() && found->second == state;
 }
 
-// A run takes its place as a whole: another one has another report.
+// A run is written as a whole, so another run has another report.
 void RunFiles::expect_unchanged() const {
   if (state_of_file(path(kReportFile)) == report_state_) return;
   throw InputError({folder_, 0}, "was changed or replaced while it was read; run the command again");
@@ -270,7 +270,7 @@ ReportReader RunFiles::report() const {
   return unless_changed([this] { return read_report(path(kReportFile), folder_); });
 }
 
-// If the whole run was replaced, that is what is wrong with the file.
+// If the whole run was replaced, that is the fault to report.
 void RunFiles::refuse(const std::string& name, const std::string& fault) const {
   expect_unchanged();
   throw InputError({path(name), 0}, fault + kMapAgain + folder_);
@@ -281,7 +281,7 @@ std::optional<RunFiles> told_files_in(const std::string& folder) {
   try {
     RunFiles files(folder);
     if (files.is_told()) return files;
-  } catch (const InputError&) {  // a report of somebody else, or of another version
+  } catch (const InputError&) {  // a report of another program or version
   }
   return std::nullopt;
 }

@@ -1,5 +1,5 @@
-// A JSON file of a run as text that somebody may have edited: every key is asked for by name and type, and what is
-// wrong is said in one line with the file, the key and what to do. Thread-safe.
+// Reads a JSON file of a run that somebody may have edited: each key by name and type. A fault is reported in one line
+// with the file, the key and what to do. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -20,10 +20,10 @@
 
 namespace gdtslam {
 
-/// A report is read up to so many bytes: of a day of scans, all of them doubtful.
+/// Limit on the size of a report: a day of scans, all of them doubtful.
 inline constexpr std::size_t kMostReportBytes = std::size_t{80} << 20U;
 inline constexpr const char* kReportFile = "report.json";
-inline constexpr const char* kMergeFile = "merge.json";  ///< beside the sites of a merge
+inline constexpr const char* kMergeFile = "merge.json";  ///< in the folder with the sites of a merge
 inline constexpr const char* kMapAgain = "; map the log again: gdtslam map LOG -o ";
 
 /// A row of the list of a run's files.
@@ -33,8 +33,8 @@ struct ReportFile {
   std::string sha256;
 };
 
-/// An object of a report: the whole, or one within. All members throw InputError that names the file and the key, and
-/// ends with the advice.
+/// An object of a report: the whole report or a section. All members throw InputError with the file, the key and the
+/// advice.
 class ReportReader {
  public:
   using Value = nlohmann::ordered_json;
@@ -45,7 +45,7 @@ class ReportReader {
   /// A whole number below `end`.
   [[nodiscard]] std::size_t index(const char* key, std::uint64_t end) const;
   [[nodiscard]] double number(const char* key) const;
-  /// A list of so many numbers of that size at most.
+  /// A list of `count` numbers of magnitude at most `most`.
   [[nodiscard]] std::vector<double> numbers(const char* key, std::size_t count, double most) const;
   /// A list of such lists.
   [[nodiscard]] std::vector<std::vector<double>> rows(const char* key, std::size_t count, double most) const;
@@ -56,7 +56,7 @@ class ReportReader {
   [[nodiscard]] GridGeometry geometry(const char* key) const;
   [[nodiscard]] std::vector<std::string> texts(const char* key) const;
   [[nodiscard]] bool has(const char* key) const;
-  /// Whole numbers below `end`: entries of a list, or one member of each.
+  /// Whole numbers below `end`: the entries of a list, or one member of each entry.
   [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const;
   /// Rows of name, bytes and SHA-256.
   [[nodiscard]] std::vector<ReportFile> files(const char* key) const;
@@ -77,41 +77,39 @@ class ReportReader {
 
   std::string file_;
   std::string advice_;
-  std::string path_;  // path of this object within the report, with a dot at its end
+  std::string path_;  // path of this object within the report, with a dot at the end
   std::shared_ptr<const Value> report_;
   const Value* object_;
 };
 
-/// The report of the run in `folder`. Throws FileError; InputError if it is none of this version.
+/// The report of the run in `folder`. Throws FileError; InputError if it is not a report of this version.
 ReportReader read_report(const std::string& file, const std::string& folder);
 
-// The files of a run as its report names them: name, size and SHA-256 of each. A file is read after its bytes were
-// compared with that, and then the run must still be the same one: so all that is read is of one run, also if it is
-// replaced meanwhile. A file is hashed once. Reports of older versions have no such list: their files are taken as they
-// are. Several threads may ask one object at once.
+// The files of a run as its report lists them: name, size and SHA-256 of each. A file is compared with the list before
+// it is read, and afterwards the run must still be the same one. So all data are of one run, even if it is replaced
+// meanwhile. A file is hashed once. Reports of older versions have no list: their files are not checked. Thread-safe.
 
-/// `files` of report.json: rows of name, bytes and SHA-256, sorted by name, of all that is staged. Folders are left
-/// out: tiles are made again without a run, and have hashes of their own. Throws FileError.
+/// `files` of report.json: name, bytes and SHA-256 of each staged file, sorted by name. Leaves out folders: tiles can
+/// be made again without a run, and have hashes of their own. Throws FileError.
 nlohmann::ordered_json files_json(const RunFolder& folder);
 
 class RunFiles {
  public:
-  /// Reads the list. Throws InputError where the folder is no finished run, or its report cannot be used; FileError.
-  /// `also` gets the report that the list is of.
+  /// Reads the list and passes the report to `also`. Throws InputError if the folder is no finished run, or its report
+  /// cannot be used; FileError.
   explicit RunFiles(std::string folder, const std::function<void(const ReportReader&)>& also = {});
 
   [[nodiscard]] const std::string& folder() const { return folder_; }
   [[nodiscard]] std::string path(const std::string& name) const;
-  /// False where the report is of a version that told of no files.
+  /// False if the report is of an older version without a list of files.
   [[nodiscard]] bool is_told() const { return told_.has_value(); }
-  /// Whether the run has such a file: what the report tells; what lies there, where it tells of none.
+  /// True if the run has such a file: by the report, or in the folder if the report has no list.
   [[nodiscard]] bool has(const std::string& name) const;
-  /// Path of the file, whose bytes are compared with the report. Throws InputError if they are others or there
-  /// is none.
+  /// Compares the file with the report and returns its path. Throws InputError if they differ or there is no file.
   [[nodiscard]] std::string checked(const std::string& name) const;
   /// Throws InputError if the run was replaced.
   void expect_unchanged() const;
-  /// The report once more. Throws what expect_unchanged() throws.
+  /// The report once more. Throws like expect_unchanged().
   [[nodiscard]] ReportReader report() const;
 
   /// Returns the result of `read` for the checked file.
@@ -134,7 +132,7 @@ class RunFiles {
   }
 
  private:
-  /// The files that were checked, as they were then. Copies of a RunFiles share them.
+  /// The files that were checked, with their state then. Copies of a RunFiles share them.
   struct Checked {
     std::mutex mutex;
     std::map<std::string, FileState> states;
@@ -148,10 +146,10 @@ class RunFiles {
   std::shared_ptr<Checked> checked_ = std::make_shared<Checked>();
 };
 
-/// Throws InputError where the folder has the sites of a merge, with one of them to give.
+/// Throws InputError if the folder has the sites of a merge; the message suggests one of them.
 void refuse_folder_of_sites(const std::string& folder);
 
-/// The run there, where its report tells of its files.
+/// The run in the folder, if its report lists its files.
 std::optional<RunFiles> told_files_in(const std::string& folder);
 
 }  // namespace gdtslam

@@ -41,13 +41,13 @@ bool is_merge_report(const fs::path& file) {
   try {
     const nlohmann::ordered_json report = read_json(file.string(), kMostReportBytes);
     return report.is_object() && report.contains("format") && report.contains("sites") && report.contains("searches");
-  } catch (const Error&) {  // the file of another program
+  } catch (const Error&) {  // a file of another program
     return false;
   }
 }
 
-/// Which entries of a folder are of a run or a merge of this program, by what its report says. The report of an old
-/// version names no files; there the names of a run's files count.
+/// Tells which entries of a folder belong to a run or a merge of this program, by its report. A report of an old
+/// version lists no files; then the usual names of a run's files count.
 class OwnEntries {
  public:
   explicit OwnEntries(const fs::path& folder)
@@ -85,13 +85,13 @@ std::vector<fs::path> foreign_entries(const fs::path& folder) {
 
 // NOLINTNEXTLINE(misc-no-recursion): as deep as sites lie in a merge
 bool OwnEntries::is_own_folder(const fs::path& entry, const std::string& name) const {
-  if (name == staging_name(kSnapshotFolder)) return true;  // left by a drive that was killed
+  if (name == staging_name(kSnapshotFolder)) return true;  // left by a killed drive
   if (name == kSnapshotFolder) return is_snapshot(entry.string());
   if (name == kTileFolder) return is_tile_folder(entry.string());
   return is_merge_ && is_digits(name) && is_site(entry.string()) && foreign_entries(entry).empty();
 }
 
-// Beside the folder, under a name that is free.
+// A free name beside the folder.
 std::string kept_beside(const fs::path& folder, const fs::path& log) {
   std::string kept;
   int number = 1;
@@ -120,7 +120,7 @@ std::string utc_time() {
                      utc.tm_min, utc.tm_sec);
 }
 
-// weakly_canonical() leaves a link alone whose file is not there yet, and the file would be made behind it.
+// weakly_canonical() does not resolve a link to a missing file, but the file would be made at its target.
 fs::path behind_links(fs::path file) {
   constexpr int kMostLinks = 40;  // the limit of the system
   std::error_code failed;
@@ -150,9 +150,9 @@ void RunFolder::require_replaceable() const {
   }
 }
 
-// The log of a stream that a killed process read cannot be had again.
+// Nobody can read again the stream of a killed process.
 void RunFolder::keep_logs(const fs::path& left) {
-  std::error_code ignored;  // a folder that cannot be listed shows when it cannot be removed
+  std::error_code ignored;  // a folder that cannot be listed cannot be removed either, which is reported
   for (const fs::path& file : list_folder(left, ignored)) {
     const bool is_log = is_kept_log(file.filename().string()) && fs::is_regular_file(file, ignored);
     if (is_log && !fs::is_empty(file, ignored)) left_logs_.push_back(kept_beside(path_, file));
@@ -203,7 +203,7 @@ bool is_site(const std::string& folder) {
 
 std::string default_run_folder(const std::string& log) {
   const std::string name = fmt::format("{}-{}", log_stem(log), utc_time());
-  const auto is_taken = [](const std::string& free) {  // by a run, or by one that is being written
+  const auto is_taken = [](const std::string& free) {  // by a run, finished or being written
     return lies_there("runs/" + free) || lies_there("runs/" + staging_name(free));
   };
   std::string free = name;
@@ -260,7 +260,7 @@ bool is_file_of_a_snapshot(const fs::path& path) {
 
 }  // namespace
 
-// A folder that cannot be listed belongs to somebody else.
+// A folder that cannot be listed counts as foreign.
 bool is_snapshot(const std::string& folder) {
   std::error_code failed;
   if (!fs::is_directory(fs::symlink_status(folder, failed))) return false;

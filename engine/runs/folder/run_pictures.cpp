@@ -24,7 +24,7 @@
 namespace gdtslam {
 namespace {
 
-// The map with the path on it, to look at: the view `map` of the run.
+// The map with the path: the view `map` of the run.
 Canvas draw_overview(const MapRequest& request, const MapOutcome& outcome) {
   PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}, outcome.drives};
   for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
@@ -35,7 +35,7 @@ Canvas draw_overview(const MapRequest& request, const MapOutcome& outcome) {
   return map_view(outcome.occupancy, overlay, look);
 }
 
-// Picture of the loops that hold the path, and of the stretches that are not reliable.
+// The loops of the path, and its unreliable stretches.
 Canvas draw_graph(const MapRequest& request, const MapOutcome& outcome) {
   const ClosedPath& closed = *outcome.closed;
   const std::vector<UncertainStretch> uncertain = uncertain_stretches(closed.covariances);
@@ -51,7 +51,7 @@ Canvas draw_graph(const MapRequest& request, const MapOutcome& outcome) {
 
 const std::string kNoPicture = "no picture ";
 
-/// The bytes of a PNG file, or the reason why there are none.
+/// The bytes of a PNG file, or the reason for their absence.
 struct EncodedPicture {
   std::optional<std::string> png;
   std::vector<LogReader::Warning> warnings;

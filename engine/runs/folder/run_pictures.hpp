@@ -1,5 +1,5 @@
-// The pictures of a run: overview, which is the view `map` of `gdtslam render`; graph, where loops hold the path and
-// where it is not to be trusted. Thread-safe; O(cells + pixels + poses).
+// The pictures of a run. overview: the view `map` of `gdtslam render`. graph: the loops, and the unreliable stretches.
+// Thread-safe; O(cells + pixels + poses).
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace gdtslam {
 
-/// "office-7f" of "logs/office-7f.log.gz": what pictures of a run have as their title.
+/// "office-7f" of "logs/office-7f.log.gz": the title of a run's pictures.
 std::string run_title(const std::vector<std::string>& logs);
 /// Counts in the subtitle of a picture.
 struct RunCounts {
@@ -24,12 +24,12 @@ struct RunCounts {
   std::uint64_t keyframes = 0;
   std::uint64_t doubtful = 0;
 };
-/// "13,631 scans, 2,901 keyframes, 21 doubtful, 522.5 m of path"; what is zero is left out. `drives` as of
+/// "13,631 scans, 2,901 keyframes, 21 doubtful, 522.5 m of path"; without counts of zero. `drives` as for
 /// path_length_m().
 std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory, std::span<const std::size_t> drives);
-/// "522.5 m"; empty where the robot stands.
+/// "522.5 m"; empty if the robot does not move.
 std::string path_length_text(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
-/// The occupancy map with the path; without a size one that suits the map. overview.png is this.
+/// The occupancy map with the path, as in overview.png; without a size, one that suits the map.
 Canvas map_view(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look,
                 const std::optional<PictureSize>& size = {});
 
@@ -43,14 +43,14 @@ std::string loops_text(std::size_t found, std::size_t on);
 std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const UncertainStretch> uncertain,
                            std::uint64_t scans);
 
-/// NAME.png. The run is as good without it: a failure, for want of a font or of memory, is one of the warnings. Throws
+/// Writes NAME.png. The run does not need it, so a failure, for lack of a font or of memory, becomes a warning. Throws
 /// FileError.
 void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
                    std::vector<LogReader::Warning>& warnings);
-/// Whether a warning of that kind is one of these.
+/// True for the kind of such a warning.
 bool is_picture_warning(const std::string& kind);
 
-/// Both, as far as the job wants pictures and a map, and loops were closed; old ones go. Throws FileError.
+/// Writes overview and graph, as far as the request wants pictures and a map and loops were closed. Throws FileError.
 void write_run_pictures(RunFolder& folder, const MapRequest& request, MapOutcome& outcome);
 
 }  // namespace gdtslam

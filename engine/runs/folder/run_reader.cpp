@@ -52,7 +52,7 @@ RunSummary read_summary(const ReportReader& report) {
   if (report.has("keyframes_sha256")) summary.keyframes_sha256 = report.text("keyframes_sha256");
   summary.nods = report.has("nodding");
   summary.has_loops = report.has("loops");
-  if (summary.nods) {  // reports of older versions do not say by what
+  if (summary.nods) {  // reports of older versions do not name the messages
     const ReportReader nodding = report.section("nodding");
     summary.tilts = nodding.has("told_by") && nodding.text("told_by") == "TILT";
   }
@@ -86,7 +86,7 @@ bool RunReader::is_gdtslam_run(const std::string& path) {
   try {
     const Json report = read_json((fs::path(path) / kReportFile).string(), kMostReportBytes, "");
     return report.is_object() && report.contains("format") && report.contains("map_sha256");
-  } catch (const InputError&) {  // a report of somebody else
+  } catch (const InputError&) {  // a report of another program
     return false;
   }
 }
@@ -185,7 +185,7 @@ std::optional<calib::SweepModel> RunReader::linkage() const {
 
 namespace {
 
-/// Which file of which run is read: for messages.
+/// The file and the run that are read, for messages.
 struct GraphOfRun {
   std::string file;
   std::string folder;
@@ -288,7 +288,7 @@ bool is_folder(const std::string& path) {
   return fs::is_directory(path, ignored);
 }
 
-// The file of that name in a folder that is no run, as other programs leave it.
+// The file of that name in another program's folder.
 std::string file_of_folder(const std::string& folder, const char* name, const char* instead) {
   refuse_broken_run(folder, name);
   const fs::path file = fs::path(folder) / name;

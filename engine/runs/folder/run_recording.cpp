@@ -33,7 +33,7 @@ std::string grid_message(const OccupancyMap& map, double stamp_s) {
                                                    .cells = cells});
 }
 
-/// The messages of one scan after the other.
+/// Makes the messages, scan by scan.
 class RunMessages {
  public:
   explicit RunMessages(AtomicFile& file) : writer_(file, ChunkPacking::kZstd) {

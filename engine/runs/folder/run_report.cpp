@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
-// CPU seconds. The mapper's are divided as its wall time is; what is left of all is "other", so that they add up.
+// CPU seconds. The mapper's are divided in proportion to its wall times; the rest is "other", so all add up.
 Json stages_json(const MapOutcome& outcome, const std::vector<StageTime>& others) {
   const StageTimes& wall = outcome.statistics.stages;
   const double named_s = wall.predict_s + wall.match_s + wall.local_field_s + wall.merge_s;
@@ -122,7 +122,7 @@ Json nodding_json(const NoddingJob& job, const NoddingOutcome& outcome) {
   return json;
 }
 
-// Taken without doubt, taken with weak evidence, and not taken: too few points or a match that the scan speaks against.
+// Matches accepted without doubt, accepted with weak evidence, and refused: too few points, or the scan contradicts.
 Json matches_json(const MapOutcome& outcome) {
   const auto weak = std::count_if(outcome.doubtful.begin(), outcome.doubtful.end(),
                                   [](const DoubtfulScan& scan) { return scan.accepted; });
@@ -132,7 +132,7 @@ Json matches_json(const MapOutcome& outcome) {
           {"refused", doubtful - weak}};
 }
 
-// How well scans fit the map as it was when they were matched; nothing where none was matched.
+// How well scans fit the map at the time of their matches; adds nothing if none was matched.
 void add_match_distances(Json& report, std::vector<double> distances_m) {
   if (distances_m.empty()) return;
   std::sort(distances_m.begin(), distances_m.end());
@@ -173,7 +173,7 @@ RunKeyframes kept_keyframes(const std::string& config, const MapRequest& request
   return run;
 }
 
-// Writes them, where they are ranges of one plane; returns their hash. A nodding laser's are points.
+// Writes the keyframes' scans unless the laser nods: then they are points, not ranges of one plane. Returns the hash.
 std::string write_merged_scans(RunFolder& folder, const std::string& config, const MapRequest& request,
                                const MapOutcome& outcome) {
   if (outcome.keyframe_scans.size() != outcome.keyframes.size()) return {};
@@ -238,7 +238,7 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   return report;
 }
 
-// A few scans that lie far away stretch a picture, in which all between them has its cells, beyond what any disk holds.
+// A picture has cells for everything between its scans, so a few scans far away could make it larger than any disk.
 void require_bounded(const GridGeometry& geometry, std::uint64_t max_cells) {
   const auto width = static_cast<std::uint64_t>(geometry.width);
   const auto height = static_cast<std::uint64_t>(geometry.height);
@@ -260,7 +260,7 @@ WrittenField write_run_field(RunFolder& folder, const MapRequest& request, const
   return written;
 }
 
-// From the keyframes as their file has them, so that they are the same when they are made again.
+// Makes tiles from the keyframes as stored in their file, so that making them again gives the same tiles.
 WrittenField write_run_tiles(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome) {
   const RunKeyframes kept = kept_keyframes(config_yaml(request), request, outcome);
   const std::string bytes = keyframe_bytes(kept);

@@ -23,19 +23,18 @@ inline constexpr int kReportVersion = 1;
 struct WrittenField {
   GridGeometry geometry;
   std::string sha256;
-  std::size_t tiles = 0;  ///< that it was written in; 0: in one piece
+  std::size_t tiles = 0;  ///< number of tiles; 0: in one piece
 };
 /// Writes gdt.png and gdt.yaml. Throws FileError.
 WrittenField write_run_field(RunFolder& folder, const MapRequest& request, const GlobalField& field, RunTimes& times);
 
-/// Writes a map in tiles, which are in the run's folder `tiles` then; an outcome's small map of them comes with
-/// it. Throws what making tiles throws.
+/// Writes a map in tiles to the run's folder `tiles`, and sets the outcome's small map. Throws like write_tiles().
 WrittenField write_run_tiles(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome);
 
 /// Request and products of a run, besides its outcome.
 struct RunFacts {
   const MapRequest& request;
-  const NoddingJob* nodding = nullptr;  ///< null where the laser does not nod; its cloud has been written by now
+  const NoddingJob* nodding = nullptr;  ///< null if the laser does not nod; its cloud is already written
   const WrittenField& field;
   const DeviceInfo& device;
 };
@@ -43,17 +42,17 @@ struct RunFacts {
 /// Hashes of written files.
 struct WrittenHashes {
   std::string trajectory;
-  std::string keyframes;  ///< empty where there is no such file
+  std::string keyframes;  ///< empty if there is no such file
 };
-/// Writes map, trajectory, graph, pictures, configuration and keyframes of a run, whose names they get when the caller
-/// has written the report too. `graph`: as the run's file shall have it, in place of the outcome's; null: that one.
-/// Throws FileError. A picture that fails is added to the outcome's warnings.
+/// Stages map, trajectory, graph, pictures, configuration and keyframes of a run; the caller adds the report and
+/// commits. `graph` replaces the outcome's graph; null: the outcome's. Throws FileError. A failed picture is added to
+/// the outcome's warnings.
 WrittenHashes write_run_files(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome,
                               const GraphLines* graph = nullptr);
 
-/// Writes the rest of what a run made into its folder: map, trajectory, graph, pictures, configuration and report, all
-/// or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's
-/// warnings, and its times are those of all that `times` covers, writing included.
+/// Writes map, trajectory, graph, pictures, configuration and report to the run's folder, all or nothing; returns the
+/// text of report.json. Sets the outcome's times from `times`, writing included. A failed picture is added to the
+/// outcome's warnings. Throws FileError.
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome);
 
 /// The report's description of a grid.

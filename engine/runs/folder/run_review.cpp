@@ -95,17 +95,17 @@ RunDoubts read_doubts(const ReportReader& report, std::uint64_t scans) {
 
 namespace {
 
-constexpr double kStandsOut = 3.0;  // standard deviations, as for what the mapper corrects
-// Slope that makes 15 cm, from which on a pose is not reliable, over the 15 m of path that a local map has.
+constexpr double kStandsOut = 3.0;  // standard deviations, as for the mapper's corrections
+// Slope that gives 15 cm, from which on a pose is unreliable, over the 15 m of path in a local map.
 constexpr double kWorthShare = 0.01;
 constexpr double kWorthPull_rad_per_m = 2.0 * kUncertain_m / (15.0 * 15.0);
-constexpr double kFarOff_m = 2.0 * kUncertain_m;  // offset of a loop: more than reliable poses may be off
-constexpr double kWorthFactor = 4.0;              // factor of a variance: twice the noise that was stated
-// Loops tell too little of matches that are far better than they say. Their factor is a tenth then, and that of the
-// wheels is larger in the same ratio and says nothing by itself.
+constexpr double kFarOff_m = 2.0 * kUncertain_m;  // offset of a loop that exceeds the errors of reliable poses
+constexpr double kWorthFactor = 4.0;              // factor of a variance: twice the stated noise
+// Loops cannot show how good matches are that are far better than stated. Their factor is then a tenth, and that of the
+// wheels is larger in the same ratio and means nothing by itself.
 constexpr double kKnownFactor = 0.1 * (1.0 + 1.0e-9);
 
-// The least sure pose of a stretch.
+// The pose of a stretch with the largest standard deviation.
 std::size_t find_worst(const UncertainStretch& stretch, std::span<const PoseCovariance> covariances) {
   if (covariances.empty()) return stretch.from + (stretch.to - stretch.from) / 2;
   std::size_t worst = stretch.from;
@@ -126,7 +126,7 @@ ReviewNote no_loops_note(const RunDoubts& doubts) {
           "map the log without --no-loops"};
 }
 
-// A fault of the log is the cause of most other doubts: it comes first.
+// A fault of the log causes most other doubts, so it comes first.
 void add_findings(const std::vector<LogFinding>& findings, std::vector<ReviewNote>& notes) {
   for (const LogFinding& finding : findings) {
     if (finding.is_mended) continue;

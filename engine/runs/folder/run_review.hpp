@@ -1,5 +1,5 @@
-// Doubts of a run's report about its map: scans that were not matched, loops that are not believed, wheels that
-// are off, stretches that are not to be trusted. Thread-safe; linear in the report.
+// Doubts of a run's report about its map: scans that were not matched, rejected loops, wrong wheels, unreliable
+// stretches. Thread-safe; linear in the report.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,15 @@
 
 namespace gdtslam {
 
-/// Result of closing the loops, as the report has it.
+/// Result of closing the loops, from the report.
 struct LoopFindings {
   std::uint64_t searches = 0;
-  /// Distance of the points of keyframes from the lines of others; none if no keyframe was laid on another.
+  /// Distance of the points of keyframes from the lines of others; none if no keyframe was matched with another.
   std::optional<double> rms_m;
-  /// Without what was measured, T_from_to and information, which the report does not have; angles in radians.
+  /// Without T_from_to and information, which the report does not have; angles in radians.
   std::vector<ClosedLoop> loops;
   WheelReport wheels;
-  double above_m = 0.0;  ///< from here on a standard deviation is too large
+  double above_m = 0.0;  ///< from this value on, a standard deviation is too large
   double sigma_median_m = 0.0;
   double sigma_max_m = 0.0;
   std::vector<UncertainStretch> uncertain;
@@ -37,26 +37,26 @@ struct LoopFindings {
 struct RunDoubts {
   bool was_interrupted = false;
   std::uint64_t scans = 0;
-  std::uint64_t accepted = 0;          ///< scans without doubt,
-  std::uint64_t weak = 0;              ///< with weak evidence,
-  std::uint64_t refused = 0;           ///< not at all
-  std::uint64_t restarts = 0;          ///< keyframes where odometry says, after a long stretch without a match
+  std::uint64_t accepted = 0;          ///< scans matched without doubt
+  std::uint64_t weak = 0;              ///< scans matched with weak evidence
+  std::uint64_t refused = 0;           ///< scans without a match
+  std::uint64_t restarts = 0;          ///< keyframes placed by odometry after a long stretch without a match
   std::vector<LogFinding> findings{};  ///< faults of the logs whose causes are known
   std::optional<LoopFindings> loops;   ///< none if the run closed no loops
 };
 
-/// Faults of logs as reports and continue.json have them.
+/// Faults of logs, for reports and continue.json.
 nlohmann::ordered_json findings_json(const std::vector<LogFinding>& findings);
-/// The list `findings` of an object; empty in files of versions that had none. Throws InputError.
+/// The list `findings` of an object; empty in files of older versions. Throws InputError.
 std::vector<LogFinding> findings_from(const ReportReader& object);
 
-/// Throws InputError where a key is missing or of another type, or names a scan beyond `scans`.
+/// Throws InputError if a key is missing or has another type, or names a scan beyond `scans`.
 RunDoubts read_doubts(const ReportReader& report, std::uint64_t scans);
 
-// Doubtful things in the map of a run, their places, and advice: `gdtslam doctor --after`. Frame: map.
-// Thread-safe; linear in poses and loops.
+// Doubts about the map of a run, their places, and advice: `gdtslam doctor --after`. Frame: map. Thread-safe; linear in
+// poses and loops.
 
-/// One thing that is doubtful.
+/// One doubt.
 struct ReviewNote {
   std::string_view about;  ///< log, run, loops, stretch, loop, scans or wheels; of static storage
   std::string finding;
@@ -67,7 +67,7 @@ struct ReviewNote {
 /// A share of scans: "5.4 %", "0.04 %".
 std::string percent_text(std::uint64_t part, std::uint64_t whole);
 
-/// Notes on a run, those on the whole map first; empty if there is no doubt. `covariances` has one for each pose, or
+/// Notes on a run, first those on the whole map; empty if there is no doubt. `covariances` has one for each pose, or
 /// none if the run has no covariance.csv; the place of a stretch is then its middle.
 std::vector<ReviewNote> review_notes(const RunDoubts& doubts, const Trajectory& trajectory,
                                      std::span<const PoseCovariance> covariances);

@@ -19,11 +19,11 @@ struct RunViewRequest {
   std::string colour_map{};            ///< colours of the field; the view's own when empty
 };
 
-/// Throws UsageError for a view that there is not or a size that cannot be; InputError where the run lacks what the
-/// view needs; ConfigError for a colour map that there is not; FileError.
+/// Throws UsageError for an unknown view or an impossible size; InputError if the run lacks data for the view;
+/// ConfigError for an unknown colour map; FileError.
 Canvas run_view(const RunReader& run, const RunViewRequest& request);
 
-/// The drawing as the bytes of a file: "svg", and where Cairo is in this build "png" and "pdf". Throws UsageError,
+/// The drawing as the bytes of a file: "svg", and with Cairo in this build "png" and "pdf". Throws UsageError,
 /// UnavailableError.
 std::string picture_bytes(const Canvas& drawing, const std::string& format);
 

@@ -1,5 +1,5 @@
-// Numbers as bytes, little-endian whatever the host, and back; what is read is checked against the bytes that are
-// there. One object belongs to one thread; constant time each.
+// Writes numbers as bytes, little-endian on every host, and reads them back with a check of the remaining bytes. One
+// object belongs to one thread; constant time for each number.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@ class BytesOut {
   BytesOut& byte(std::uint8_t value);
   BytesOut& whole(std::uint32_t value);
   BytesOut& number(double value);
-  /// Seven bits a byte, the lowest first, the eighth where more follow.
+  /// Seven bits in each byte, the lowest first; the eighth bit is set if more follow.
   BytesOut& varint(std::uint64_t value);
   BytesOut& text(std::string_view value);
-  /// All bytes so far; the object is empty then.
+  /// Returns all bytes so far and empties the object.
   [[nodiscard]] std::string take();
 
  private:
@@ -26,22 +26,22 @@ class BytesOut {
 
 class BytesIn {
  public:
-  /// Both must outlive this; `name` stands in messages.
+  /// Both must outlive this; `name` is for messages.
   BytesIn(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
-  /// These throw InputError where the bytes end before.
+  /// These throw InputError if the bytes end before.
   std::uint8_t byte();
   std::uint32_t whole();
-  /// Throws InputError too where it is not finite, naming what it is.
+  /// Also throws InputError with `what` if the number is not finite.
   double number(const char* what);
   /// At most nine bytes.
   std::uint64_t varint();
   std::string text(std::size_t size);
-  /// How many of something follow that takes at least so many bytes each; InputError where fewer bytes are left.
+  /// A count of items with at least `least_bytes` each; InputError if fewer bytes are left.
   std::uint32_t count(const char* what, std::size_t least_bytes);
 
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
-  /// InputError with the file and the byte that was reached.
+  /// Throws InputError with the file and the current byte.
   [[noreturn]] void refuse(const std::string& fault) const;
 
  private:

@@ -47,7 +47,7 @@ Pose2 pose_from(BytesIn& in) {
   return {x_m, y_m, in.number("a pose")};
 }
 
-// Zero, or one more than the step from the last return, which is small beside most others.
+// Appends zero for no return, else the step from the last return plus one, which is mostly small.
 void append_ranges(BytesOut& out, const std::vector<float>& ranges_m) {
   out.whole(static_cast<std::uint32_t>(ranges_m.size()));
   std::int64_t last_mm = 0;
@@ -132,7 +132,7 @@ RunKeyframe keyframe_from(BytesIn& in) {
   return keyframe;
 }
 
-// The smallest that there is: number, flags, stamp, pose, mount, five numbers of the laser, count of beams.
+// The smallest keyframe: number, flags, stamp, pose, mount, five numbers of the laser, count of beams.
 constexpr std::size_t kLeastKeyframeBytes = 4 + 1 + (1 + 3 + 3 + 5) * sizeof(double) + 4;
 
 void read_start(BytesIn& in) {
@@ -144,7 +144,7 @@ void read_start(BytesIn& in) {
 
 std::string digest_text(std::string_view bytes) { return Sha256().update(bytes).hex(); }
 
-// All of the file, unpacked.
+// The whole file, unpacked.
 std::string unpacked(const std::string& path) {
   const std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), path);
   std::string bytes = read_all(*source, kMostKeyframeBytes, path);
@@ -209,7 +209,7 @@ std::string write_keyframes(const std::string& path, const RunKeyframes& run) {
 
 RunKeyframes read_keyframes(const std::string& path) {
   const std::string bytes = unpacked(path);
-  BytesIn start(bytes, path);  // first: in another version the checksum may be another, too
+  BytesIn start(bytes, path);  // read first, because another version may have another checksum
   read_start(start);
   if (start.left() < kDigestDigits) start.refuse("ends within its header");
   const std::string_view body = std::string_view(bytes).substr(0, bytes.size() - kDigestDigits);
@@ -221,7 +221,7 @@ RunKeyframes read_keyframes(const std::string& path) {
 
 namespace {
 
-// A run that closes loops keeps its points as floats until the end.
+// A run with loops keeps its points in single precision until the end.
 void round_to_floats(std::vector<Point2>& points) {
   for (Point2& point : points) point = point.cast<float>().cast<double>();
 }

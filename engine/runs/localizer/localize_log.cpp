@@ -26,7 +26,7 @@ struct ChosenScan {
   LaserScan scan;
 };
 
-/// The chosen scans one after the other.
+/// Reads the chosen scans in order.
 class ScanSource {
  public:
   explicit ScanSource(const LocalizeJob& job)
@@ -52,7 +52,7 @@ class ScanSource {
   ScanStream stream_;
 };
 
-// Scans that a signal leaves out come last: none is missing in between.
+// A signal leaves out only the last scans, none in between.
 void localize_batch(const std::vector<ChosenScan>& batch, const Localizer& localizer, WorkerPool& pool,
                     const std::function<bool()>& stop, std::vector<LocalizedScan>& scans) {
   std::vector<std::optional<LocalizedScan>> found(batch.size());
@@ -187,7 +187,7 @@ std::array<std::uint64_t, kWhereabouts.size()> count_whereabouts(const TrackedDr
 
 namespace {
 
-// Which cells of the map that the field belongs to are free and occupied.
+// The free and occupied cells of the field's map.
 OccupancyMap read_cells(const MapField& field) {
   if (field.source == MapField::Source::kOccupiedCells) return read_occupancy_map(field.path);
   if (field.run && field.run->summary().map) return field.run->map();

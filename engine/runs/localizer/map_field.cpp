@@ -38,7 +38,7 @@ FitLimit make_fit_limit(std::vector<double> own_m, double resolution_m) {
 
 namespace {
 
-// The description of a map: the file itself, or in its folder.
+// The description of a map: the file itself, or the one in the folder.
 std::string find_description(const std::string& map) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -55,7 +55,7 @@ std::string find_description(const std::string& map) {
   return map;
 }
 
-// Cells far smaller than any laser tells apart, or larger than any room, are a mistake in the file.
+// Cells far smaller than a laser's resolution, or larger than any room, are a mistake in the file.
 void check_geometry(const GridGeometry& grid, const std::string& path) {
   constexpr double kFinest_m = 0.001;
   constexpr double kCoarsest_m = 1.0;
@@ -71,8 +71,8 @@ void check_geometry(const GridGeometry& grid, const std::string& path) {
   }
 }
 
-// The memory for a map depends on its cells, not on the size of its packed picture: the field, data for searches, and
-// the map that scans are followed in.
+// The memory for a map depends on its cells, not on its packed picture: the field, data for searches, and the tracker's
+// map.
 void check_memory(const ObstacleFieldSize& size, const std::string& path) {
   constexpr std::uint64_t kFieldBytesPerCell = 2 * sizeof(std::uint16_t);
   const std::uint64_t derived =
@@ -200,14 +200,14 @@ bool looks_like_map(const std::string& path) {
 
 namespace {
 
-// The run whose folder that is, where its report tells of its files. What an older one wrote is taken as it is.
+// The run of the folder, if its report lists its files. Files of an older run are not checked.
 std::optional<RunReader> told_run_in(const std::string& map) {
   if (!RunReader::is_run(map)) return std::nullopt;
   RunReader run(map);
   return run.files().is_told() ? std::optional(std::move(run)) : std::nullopt;
 }
 
-// One of the tiles that can be searched in, that of the origin where it is there; empty where there is none.
+// A tile to search in: the one at the origin if it exists, else any; empty if there is none.
 std::string tile_in(const std::filesystem::path& folder) {
   std::error_code ignored;
   for (const char* name : {"map_0_0.yaml", "gdt_0_0.yaml"}) {
@@ -225,7 +225,7 @@ std::string tile_in(const std::filesystem::path& folder) {
 // A site in tiles has no field as a whole.
 void require_one_piece(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code ignored;  // a folder that cannot be examined shows when it cannot be read
+  std::error_code ignored;  // reading reports a folder that cannot be examined
   if (std::filesystem::exists(path, ignored) || !std::filesystem::exists(folder / "tiles" / "index.json", ignored))
     return;
   const std::string tile = tile_in(folder / "tiles");
@@ -235,7 +235,7 @@ void require_one_piece(const std::string& path) {
                                tile.empty() ? "" : fmt::format("name one of them, as tiles/{}, or ", tile)));
 }
 
-// Distances alone tell of walls, which reach half a cell from an obstacle; what is farther away may be floor or not.
+// Distances alone show only walls, which reach half a cell from an obstacle. Cells farther away may be floor or not.
 OccupancyMap walls_of_field(const DistanceFieldView& view) {
   OccupancyMap map{.geometry = view.geometry, .cells = CellStates(view.geometry.cell_count())};
   std::size_t cell = 0;

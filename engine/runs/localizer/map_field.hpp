@@ -16,60 +16,60 @@
 
 namespace gdtslam {
 
-/// The run folder that a map belongs to: itself, or the folder of its gdt.yaml; none where that is none.
+/// The run folder that a map belongs to: itself, or the folder of its gdt.yaml; none if that is not a run.
 std::optional<std::string> find_run_folder(const std::string& map);
 
-/// How well a scan of the mapped place fits: mean distances of its points to the map's obstacles.
+/// Fit of scans of the mapped place: mean distances of their points to the map's obstacles.
 struct FitLimit {
-  /// The largest comes from an option, from 99 of 100 of the run's own scans, or from the size of the map's cells.
+  /// Source of the limit: an option, the 99 % quantile of the run's own scans, or the size of the map's cells.
   enum class Source : std::uint8_t { kOption, kRun, kResolution };
-  double distance_m = 0.0;  ///< the largest that is a good fit
+  double distance_m = 0.0;  ///< limit of a good fit
   Source source = Source::kOption;
   double usual_m = 0.0;  ///< the median
 };
-/// From the mean distances that the run's own scans leave in the finished map. Two cells are always a good fit: the
-/// most that rounding to cells in the scan and in the map can account for, while scans that a map was made of fit it
-/// better than others. Without scans one cell is usual.
+/// The limit from the mean distances of the run's own scans in the finished map. Two cells are always a good fit: scans
+/// that a map was made of fit it better than others, and rounding to cells in scan and map explains up to two cells.
+/// Without scans the usual distance is one cell.
 FitLimit make_fit_limit(std::vector<double> own_m, double resolution_m);
 
 // The distance field that scans are searched in: of a run, or of an occupancy map that any program made. Frame: the
 // map's own, metres. Thread-safe once read; O(cells).
 
-/// A field with the file that it comes from.
+/// A field and its file.
 struct MapField {
   enum class Source : std::uint8_t { kDistances, kOccupiedCells };
   std::string path;
   Source source = Source::kDistances;
   DistanceFieldFile file;
-  /// Whose folder was named, and checked; a file that is named itself is taken as it is, and so is an older run.
+  /// The run, if its folder was given; its files are checked. A file given itself, or an older run, is not checked.
   std::optional<RunReader> run{};
-  /// Origin of the kernels' frame in the map, parallel to it: they count in whole cells from there. The
-  /// map's own origin for a run, whose cells lie on it; the field's corner for an occupancy map, whose cells may not,
-  /// and whose origin may be far away.
+  /// Origin of the kernels' frame in the map, parallel to it. Kernels count in whole cells from there. For a run it is
+  /// the map's own origin, which lies on its cells; for an occupancy map, whose origin may lie off its cells and far
+  /// away, the field's corner.
   Point2 kernel_origin_m = Point2::Zero();
 
-  /// Valid as long as this stays where it is; in the kernels' frame.
+  /// In the kernels' frame. Valid until this object is moved or destroyed.
   [[nodiscard]] FieldView view() const;
-  /// Every place that the field knows, in every heading.
+  /// All known cells of the field, with every heading.
   [[nodiscard]] PoseWindow known_window() const;
 };
 
-/// With the cap around it, two cells wide, as searches and kernels need it: a field that ends where the map does not,
-/// as that of a tile, has none. O(cells).
+/// Adds a border of the cap two cells wide, as searches and kernels need it. A field that ends inside of a map, such as
+/// a tile's, has none. O(cells).
 MapField framed(MapField field);
 
-/// Whether that is a folder with a gdt.yaml, or a file that may be a map's description by its name.
+/// True for a folder with a gdt.yaml, or a file whose name fits a map's description.
 bool looks_like_map(const std::string& path);
 
-/// Whether the description is of an occupancy map, whose own keys may all be missing, and not of a field, which has its
-/// version. False for what is no file. Throws InputError.
+/// True for the description of an occupancy map, even if all of its keys are missing; false for a field, which states
+/// its version, and if there is no file. Throws InputError.
 bool is_occupancy_map(const std::string& path);
 
 /// `map` is a run folder, its gdt.yaml, or the map.yaml of an occupancy map, whose distances are kept up to
-/// `config.truncation_m`. Throws InputError, also where no cell of it is occupied; FileError.
+/// `config.truncation_m`. Throws InputError, also if it has no occupied cell; FileError.
 MapField read_map_field(const std::string& map, const MapConfig& config);
 
-/// The map to draw: the occupancy map of the run or of its own, else walls made of the distances.
+/// The map to draw: the occupancy map of the run or file, else walls made from the distances.
 OccupancyMap shown_map(const MapField& field);
 
 }  // namespace gdtslam

@@ -13,7 +13,7 @@
 namespace gdtslam {
 namespace {
 
-// The box of all occupied cells; empty where there are none.
+// The box of all occupied cells; empty if there are none.
 CellBox occupied_box(const OccupancyMap& map) {
   const GridGeometry& grid = map.geometry;
   CellBox box{{grid.width, grid.height}, {0, 0}};
@@ -29,7 +29,7 @@ CellBox occupied_box(const OccupancyMap& map) {
   return box;
 }
 
-/// The field's box in cells of the map, beyond whose edges it may lie.
+/// The field's box in cells of the map; it may extend beyond the map.
 struct FieldBox {
   std::int64_t x = 0;
   std::int64_t y = 0;
@@ -37,7 +37,7 @@ struct FieldBox {
   std::int64_t height = 0;
 };
 
-// Beyond the radius there is nothing but the cap: of the margin's cells the two outermost on each side hold it.
+// Beyond the radius every cell holds the cap, so the two outermost cells on each side do.
 FieldBox field_box(const CellBox& occupied, std::uint32_t radius) {
   const std::int64_t margin = std::int64_t{radius} + 1;
   const FieldBox box{std::int64_t{occupied.min.x} - margin, std::int64_t{occupied.min.y} - margin,
@@ -52,8 +52,8 @@ FieldBox field_box(const CellBox& occupied, std::uint32_t radius) {
   return box;
 }
 
-/// Makes one band of rows after the other, each from the obstacles of its own rows and of those within the radius. Two
-/// separable passes [Meijster2000]: along the columns, then the least sum of squares along the rows.
+/// Makes the field in bands of rows, each from the obstacles in its rows and within the radius. Two separable passes
+/// [Meijster2000]: along the columns, then the least sum of squares along the rows.
 class BandTransform {
  public:
   BandTransform(const OccupancyMap& map, const FieldBox& box, std::uint32_t radius)
@@ -80,7 +80,7 @@ class BandTransform {
     return &columns_[static_cast<std::size_t>(row) * static_cast<std::size_t>(box_.width)];
   }
 
-  // Zero at the obstacles of a row of the field; the map may not reach that far.
+  // Sets the distance to zero at obstacles of a row of the field, which may lie outside of the map.
   void sow(std::int64_t y, std::uint16_t* distances) {
     const std::int64_t row = box_.y + y;
     if (row < 0 || row >= map_.geometry.height) return;
@@ -92,14 +92,14 @@ class BandTransform {
     }
   }
 
-  // One cell farther than the row before, where that is nearer.
+  // Takes the distance of the previous row plus one cell if that is smaller.
   void spread(const std::uint16_t* from, std::uint16_t* to) const {
     for (std::int64_t x = 0; x < box_.width; ++x) {
       to[x] = std::min(to[x], static_cast<std::uint16_t>(from[x] + 1));
     }
   }
 
-  // No sum exceeds the squared radius, so that all stay within 16 bits.
+  // No sum exceeds the squared radius, so 16 bits suffice.
   void fill_row(const std::uint16_t* distances, std::uint16_t* field) {
     const auto width = static_cast<std::size_t>(box_.width);
     squares_.resize(width);

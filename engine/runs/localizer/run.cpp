@@ -21,7 +21,7 @@ double thread_cpu_s() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// The proof takes so many points at most: every k-th of more, as the other matchers' scans are thinned.
+// Limits the points for the proof: takes every k-th of a larger scan, as for the other matchers.
 std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfig& config, double resolution_m) {
   std::vector<PointCells> points = in_cells(to_points(scan, config.scan), resolution_m);
   const std::size_t every = (points.size() + kMostCertifiedPoints - 1) / kMostCertifiedPoints;
@@ -32,8 +32,8 @@ std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfi
   return points;
 }
 
-// The scans that the map was made of; none for a map without a run. A run's map.yaml counts as one: its occupied cells
-// differ from the obstacles that the run's scans were matched with.
+// The scans that the map was made of; none for a map without a run. A run's map.yaml also has none, because its
+// occupied cells differ from the obstacles that the run's scans were matched with.
 std::vector<RunKeyframe> read_own_scans(const MapField& field) {
   const std::optional<std::string> folder = find_run_folder(field.path);
   if (field.source == MapField::Source::kOccupiedCells || !folder) return {};
@@ -42,7 +42,7 @@ std::vector<RunKeyframe> read_own_scans(const MapField& field) {
   return kept ? std::move(kept->keyframes) : std::vector<RunKeyframe>{};
 }
 
-// Calls take() with the distance of each point at that pose from the nearest obstacle; the cap outside of the field.
+// Calls take() with the distance of each point, at the pose, to the nearest obstacle; the cap outside of the field.
 template <class Take>
 void for_each_distance(const DistanceFieldView& field, std::span<const PointCells> points, const Pose2& T_map_base,
                        Take take) {
@@ -57,7 +57,7 @@ void for_each_distance(const DistanceFieldView& field, std::span<const PointCell
   }
 }
 
-// A search that is cut short at once has tried no pose.
+// A search that ends at once has tried no pose.
 std::optional<CertifiedResult> if_any(const CertifiedResult& found) {
   return std::isfinite(found.mean_cost_m) ? std::optional(found) : std::nullopt;
 }
@@ -100,7 +100,7 @@ Localizer::Localizer(const std::string& map, const MapperConfig& config, const L
   }
 }
 
-// Scans at poses that the map has little of do not count: it may be a piece that was cut out of the run's.
+// Scans with little overlap with the map do not count: the map may be a part cut out of the run's.
 std::vector<double> Localizer::own_distances_m() const {
   std::vector<double> own_m;
   for (const RunKeyframe& own : read_own_scans(field_)) {
@@ -112,7 +112,7 @@ std::vector<double> Localizer::own_distances_m() const {
   return own_m;
 }
 
-// A window of the map as the kernels' frame has it, and the pose back.
+// Moves the window to the kernels' frame, and the pose back.
 CertifiedResult Localizer::search(std::span<const PointCells> points, PoseWindow window,
                                   CertifiedOptions options) const {
   const Point2& origin_m = field_.kernel_origin_m;
@@ -145,22 +145,22 @@ LocalizedScan Localizer::begun(const LaserScan& scan, std::uint64_t index, std::
   return found;
 }
 
-// Costs of points that lie so far off in the mean; what is more than any cost counts as 4e9.
+// The cost of points with that mean distance; at most 4e9, which is more than any cost.
 std::uint32_t Localizer::to_units(double distance_m, std::size_t points) const {
   constexpr double kMostUnits = 4.0e9;
   const double units = distance_m / resolution_m() * kFieldOne * static_cast<double>(points);
   return static_cast<std::uint32_t>(std::min(units, kMostUnits));
 }
 
-// Points that the map does not explain lie at most as far from it as distances are kept.
+// Points that the map does not explain have at most the truncated distance.
 double Localizer::worst_of_changed_m() const {
   const double truncation_m = resolution_m() * static_cast<double>(field_.file.cap) / kFieldOne;
   const double share = LocalizeLimits::kLeastExplained;
   return share * good_fit_.distance_m + (1.0 - share) * truncation_m;
 }
 
-// The best pose, or, as soon as it is proven, that none has so small a mean distance. Where that takes no
-// pose at all the middle of the map is tried, so that there is one to show.
+// Finds the best pose, or ends once it is proven that none has a mean distance of `good_m` or less. If the proof tried
+// no pose, the middle of the map is tried, so that there is a pose to show.
 std::optional<CertifiedResult> Localizer::look_everywhere(std::span<const PointCells> points, double good_m,
                                                           CertifiedOptions options) const {
   options.wanted_bound = to_units(good_m, points.size()) + 1;
@@ -170,10 +170,10 @@ std::optional<CertifiedResult> Localizer::look_everywhere(std::span<const PointC
   return if_any(search(points, window_, options));
 }
 
-// A search that takes long is mostly that for a scan of another place, which many poses fit about as well. No pose is
-// near both of two that lie twice as far apart as elsewhere begins, so one of these two is elsewhere than the best
-// pose, whichever that is. A best pose without enough lead before the worse of them cannot be found, and is not proven.
-// Returns the two if it has looked for them.
+// A long search is mostly for a scan of another place, which many poses fit about equally well. So it looks for two
+// poses that are twice the distance of "elsewhere" apart: at least one of them is elsewhere than the best pose. A best
+// pose without enough lead over the worse of the two cannot get the verdict "found", so it needs no proof. Returns the
+// two poses if it looked for them.
 std::vector<Pose2> Localizer::look_everywhere(std::span<const PointCells> points, LocalizedScan& found) const {
   CertifiedOptions options = options_with(limits_.gap_m);
   if (!limits_.with_runner_up) {
@@ -194,7 +194,7 @@ std::vector<Pose2> Localizer::look_everywhere(std::span<const PointCells> points
   return options.starts;
 }
 
-// A short search elsewhere than at that pose.
+// Options of a short search that excludes poses near this one.
 CertifiedOptions Localizer::elsewhere_options(const Pose2& T_map_base, double times_as_far) const {
   CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
@@ -221,7 +221,7 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
   }
   found.verdict = verdict_of(found, accepted_m);
   if (found.is_changed && found.verdict != Verdict::kFound) {
-    found.verdict = Verdict::kPoorFit;  // a scan that fits elsewhere as well does not show a change here
+    found.verdict = Verdict::kPoorFit;  // a scan that also fits elsewhere does not show a change here
     found.is_changed = false;
   }
   found.cpu_s = thread_cpu_s() - begin_s;
@@ -242,18 +242,17 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index) co
   return found;
 }
 
-// How much more a pose elsewhere has to cost than the best one. A scan of the mapped place usually fits as the run's
-// own scans do; one of another building fits some places by chance, the best of them hardly better than the next. So
-// the best pose has to be nearer to the usual fit than to the fit elsewhere, by their ratios: best / usual < elsewhere
-// / best.
+// How much more a pose elsewhere must cost than the best one. A scan of the mapped place usually fits as well as the
+// run's own scans. A scan of another building fits some places by chance, the best hardly better than the next. So the
+// best pose must be nearer to the usual fit than to the fit elsewhere: best / usual < elsewhere / best.
 std::uint32_t Localizer::least_lead(const CertifiedResult& best, std::size_t points) const {
   const double lead_m = best.mean_cost_m * (best.mean_cost_m / good_fit_.usual_m - 1.0);
   return to_units(std::max(limits_.gap_m, lead_m), points);
 }
 
-// A good pose elsewhere, and whether one there may be as good as the best: a short search finds the pose; where it
-// leaves the question open a second one answers it, which needs no proof of how good the poses are that are worse. One
-// that ends before it has tried a pose answers nothing.
+// Finds a good pose elsewhere, and whether a pose there may be as good as the best. A short search finds the pose. If
+// it leaves the question open, a second search answers it, which needs no proof about worse poses. A search that ends
+// before it has tried a pose gives no answer.
 void Localizer::look_elsewhere(std::span<const PointCells> points, std::uint64_t most_boxes, std::vector<Pose2> starts,
                                LocalizedScan& found) const {
   found.as_good = found.is_changed ? to_units(limits_.gap_m, points.size()) : least_lead(*found.best, points.size());

@@ -35,8 +35,8 @@ TrackedPose RobotTracker::in_map(const Place& place, Whereabouts whereabouts) co
           .is_ambiguous = place.is_ambiguous};
 }
 
-// A matcher near a wrong place takes what fits best there; only the map as a whole knows how well scans of it fit. What
-// lies outside of the map does not count against a place.
+// A matcher near a wrong place takes the best fit there; only the limit of the whole map shows that the fit is poor.
+// Points outside of the map do not count against a place.
 void RobotTracker::follow_in(Place& place, const Scan& scan) const {
   const Pose2 before = place.match.T_map_base;
   place.match = place.tracker.process(scan.scan, scan.T_odom_base);
@@ -79,7 +79,8 @@ TrackedPose RobotTracker::follow(const LaserScan& scan, const std::optional<Pose
   return trial_ ? in_map(*trial_, Whereabouts::kFound) : TrackedPose{};
 }
 
-// A place that was found is believed after some path; where the robot is followed elsewhere, if scans fit it better.
+// A found place is confirmed after some path; if the robot is followed elsewhere, only if scans fit the found place
+// better.
 void RobotTracker::try_place(const Scan& scan) {
   follow_in(*trial_, scan);
   const bool is_refuted =
@@ -87,7 +88,7 @@ void RobotTracker::try_place(const Scan& scan) {
       (trial_->faults > 0 && !trial_->is_changed && trial_->match.mean_cost_m > 2.0 * localizer_.good_fit().distance_m);
   if (is_refuted) return trial_.reset();
   if (trial_->path < (trial_->is_changed ? limits_.changed_trial_m : limits_.trial_m)) return;
-  trial_->is_changed = false;  // from now on it is asked like any other
+  trial_->is_changed = false;  // from now on it is judged like any other
   if (!here_ || is_trial_better()) here_ = std::move(trial_);
   trial_.reset();
 }
@@ -96,7 +97,7 @@ bool RobotTracker::is_trial_better() const {
   return here_ && trial_ && trial_->distance_sum_m < limits_.better * here_->distance_sum_m;
 }
 
-// From the same place the same would be found.
+// Searches after a failure wait, because the same place would give the same result.
 bool RobotTracker::is_search_due(const std::optional<Pose2>& T_odom_base) {
   if (here_ && here_->is_whole) return here_->is_ambiguous && unasked_m_ >= limits_.ask_again_m;
   if (here_ && here_->faults < limits_.doubt_scans) return false;
@@ -122,7 +123,7 @@ bool RobotTracker::is_here(const Pose2& T_map_base) const {
          std::fabs(apart.theta_rad) < LocalizeLimits::kElsewhereRad;
 }
 
-// A place is unambiguous from now on if the robot is followed there and the scan fits it alone.
+// A followed place becomes unambiguous if the scan fits it alone.
 void RobotTracker::look_for(const Scan& scan) {
   ++searches_;
   unasked_m_ = 0.0;
@@ -156,7 +157,7 @@ RobotTracker::Place RobotTracker::place_at(const LocalizedScan& found, const Sca
               .is_changed = found.is_changed};
   place.match.T_map_base = {T.x_m - origin_m.x(), T.y_m - origin_m.y(), T.theta_rad};
   place.tracker.start_at(place.match.T_map_base);
-  follow_in(place, scan);  // the next step is told from these wheels
+  follow_in(place, scan);  // the next step starts from this odometry
   place.path = 0.0;
   return place;
 }

@@ -15,9 +15,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMostPaired = 10;   // scans that a scan is paired with: farther ones see other places
-constexpr std::size_t kMostPairs = 200;   // more of them change nothing
-constexpr std::size_t kFewestPairs = 40;  // four a tenth
+constexpr std::size_t kMostPaired = 10;   // scans paired with a scan: farther ones see other places
+constexpr std::size_t kMostPairs = 200;   // more pairs change nothing
+constexpr std::size_t kFewestPairs = 40;  // four in each tenth
 constexpr double kRateChange_rad_per_s = 0.3;
 constexpr std::size_t kPairTenths = 10;
 constexpr std::size_t kFewestBetter = 9;
@@ -26,11 +26,11 @@ constexpr double kLeastOff_s = 0.02;          // a degree at 1 rad/s
 constexpr double kSigmas = 5.0;               // beyond chance
 constexpr double kLeastSweepSigma_s = 0.002;  // the speed is not constant within a sweep
 constexpr double kRoundShare =
-    0.1;                    // share of the log's sweep: a result so near to its reverse, or to none, is taken for that
+    0.1;                    // share of the log's sweep: a result this near to its reverse, or to zero, is rounded to it
 constexpr int kCoarse = 3;  // half periods of the scans to each side
 constexpr int kHalvings = 4;          // halvings of that step: to a 32nd of a period
-constexpr double kFewestLaid = 15.0;  // points that lay a scan on another
-constexpr double kHold = 0.01;        // information that a point adds along what no surface shows
+constexpr double kFewestLaid = 15.0;  // least points to match a scan with another
+constexpr double kHold = 0.01;        // information of a point along directions without a surface
 
 KeptScan swept(LaserScan scan, double sweep_s, const ScanConfig& valid) {
   scan.first_beam_after_s = -0.5 * sweep_s;
@@ -38,7 +38,7 @@ KeptScan swept(LaserScan scan, double sweep_s, const ScanConfig& valid) {
   return keep_scan(to_points(scan, valid));
 }
 
-// Share of the points of one scan, each by its weight, that lie on the surfaces of the other once it is laid there.
+// Weighted share of the points of one scan that lie on the surfaces of the other after matching.
 double share_laid(const KeptScan& fixed, const KeptScan& moving, Pose2 T_fixed_moving) {
   constexpr LineGate kWide{.most_m = 0.3};
   constexpr LineGate kNarrow{};
@@ -66,7 +66,7 @@ struct Around {
   double before = 0.0;
   double there = 0.0;
   double after = 0.0;
-  /// The parabola through them is highest there, in steps; not finite if it has no highest point.
+  /// Maximum of the parabola through the values, in steps; not finite if it has none.
   [[nodiscard]] double highest() const {
     const double bend = before - 2.0 * there + after;
     return bend < 0.0 ? 0.5 * (before - after) / bend : std::numeric_limits<double>::quiet_NaN();
@@ -80,7 +80,7 @@ double logged_sweep(const LaserScan& scan) {
   return scan.beam_period_s * std::max(0.0, static_cast<double>(scan.ranges_m.size()) - 1.0);
 }
 
-// Drivers reverse a scan or make up its times: the reverse of the log's sweep and none at all are likelier than others.
+// Drivers reverse a scan or invent its times, so the reverse of the log's sweep and zero are likelier than others.
 double rounded(const BeamTimes& found) {
   const double near_s = std::max(3.0 * found.sigma_s, kRoundShare * std::fabs(found.logged_sweep_s));
   if (std::fabs(found.sweep_s) < near_s) return 0.0;
@@ -142,19 +142,19 @@ void BeamTimesFit::add(const LaserScan& scan, const Pose2& T_map_base) {
   if (fixed != nullptr) pairs_.push_back({*fixed, moving});
 }
 
-/// Looks for the sweep with which most points lie on the other scan: over three periods of the scans by steps, then
-/// between its two neighbours by halves, at last by a parabola.
+/// Searches the sweep with the most points on the other scan: over three periods of the scans in steps, then between
+/// neighbours by halving, and finally by a parabola.
 class BeamTimesFit::Search {
  public:
   Search(const std::vector<Pair>& pairs, const ScanConfig& valid) : pairs_(pairs), valid_(valid) {}
 
-  /// Whether scans fit worse if the sweep is a little shorter, and if it is longer.
+  /// True if scans fit worse with a slightly shorter and with a slightly longer sweep.
   [[nodiscard]] bool is_best(double sweep_s) const {
     const double share = shares(sweep_s).all;
     return share > shares(sweep_s - kLeastOff_s).all && share > shares(sweep_s + kLeastOff_s).all;
   }
 
-  /// False if scans fit best at the end of what is looked at.
+  /// False if scans fit best at the end of the search range.
   bool find(double period_s) {
     step_s_ = 0.5 * period_s;
     std::vector<Shares> at;
@@ -170,7 +170,7 @@ class BeamTimesFit::Search {
     return true;
   }
 
-  /// With one standard deviation, by leaving out a tenth of the pairs at a time [Efron1982].
+  /// Adds a standard deviation, by leaving out a tenth of the pairs at a time [Efron1982].
   [[nodiscard]] BeamTimes compared_with(double logged_sweep_s) const {
     BeamTimes found{.logged_sweep_s = logged_sweep_s};
     const Shares logged = shares(logged_sweep_s);
@@ -223,7 +223,7 @@ class BeamTimesFit::Search {
   const ScanConfig& valid_;
   double best_s_ = 0.0;
   double step_s_ = 0.0;
-  std::array<Shares, 3> around_{};  ///< a step before the best sweep, there, and a step after
+  std::array<Shares, 3> around_{};  ///< one step before the best sweep, at it, and one step after
 };
 
 std::optional<BeamTimes> BeamTimesFit::fit(const ScanConfig& valid) const {

@@ -1,6 +1,6 @@
-// When the beams of a scan were measured, as the scans themselves show it. While a robot turns, wrong times bend each
-// scan by its own rate of turn, so two scans of different rates lie on each other only with the right times. Frame: the
-// robot at the scan's stamp. Not thread-safe.
+// Estimates from the scans when their beams were measured. While a robot turns, wrong times bend each scan by the
+// robot's rate of turn, so two scans at different rates match only with the right times. Frame: the robot at the scan's
+// stamp. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,18 @@
 
 namespace gdtslam {
 
-/// The time from the first beam of a scan to its last is its sweep; it is negative if the last beam was measured first.
+/// The sweep of a scan is the time from its first beam to its last; negative if the last beam was measured first.
 struct BeamTimes {
-  double sweep_s = 0.0;  ///< that lays scans on each other best
+  double sweep_s = 0.0;  ///< the sweep with the best match of scans
   double sigma_s = 0.0;
   double logged_sweep_s = 0.0;
   double share = 0.0;               ///< weighted share of the points that lie on the other scan
   double logged_share = 0.0;        ///< the same with the times of the log
-  std::size_t better_tenths = 0;    ///< tenths of the pairs that fit better with the sweep that the other nine give
-  double first_beam_after_s = 0.0;  ///< start of the best sweep, which begins when that of the log does
+  std::size_t better_tenths = 0;    ///< tenths of the pairs that fit better with the sweep found from the other nine
+  double first_beam_after_s = 0.0;  ///< start of the best sweep, the same as in the log
   double beam_period_s = 0.0;
 
-  /// Whether the times of the log are wrong for certain, and by so much that it matters.
+  /// True if the times of the log are certainly and significantly wrong.
   [[nodiscard]] bool stands_out() const;
   [[nodiscard]] LogFinding finding() const;
   void state_in(ReadOptions& read) const;
@@ -37,7 +37,7 @@ class BeamTimesFit {
  public:
   void add(const LaserScan& scan, const Pose2& T_map_base);
   /// Returns none if the times of the log fit best, or the robot changed its rate of turn too seldom. Cost: some 0.1 s,
-  /// for up to 200 pairs of scans that are laid on each other for three sweeps, and for 16 more if the log is wrong.
+  /// for up to 200 pairs of scans, matched for three sweeps, and for 16 more if the log is wrong.
   [[nodiscard]] std::optional<BeamTimes> fit(const ScanConfig& valid) const;
 
  private:
@@ -54,7 +54,7 @@ class BeamTimesFit {
 
   std::deque<MovingScan> last_;
   std::vector<Pair> pairs_;
-  std::vector<double> periods_s_;  ///< from scan to scan
+  std::vector<double> periods_s_;  ///< times between scans
 };
 
 }  // namespace gdtslam

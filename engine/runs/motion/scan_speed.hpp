@@ -1,5 +1,5 @@
-// How the robot moves while its laser measures a scan whose beams come one after the other: as it moved from the scan
-// before to this one, by odometry or, where there is none, by the poses of the map. Not thread-safe; constant time.
+// Speed of the robot during a scan whose beams are measured one after the other: its motion since the previous scan, by
+// odometry or else by the poses of the map. Not thread-safe; constant time.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace gdtslam {
 
-/// Tangent (x, y, theta) a second from one pose to the next; nothing where time does not go on, or too far for a robot:
-/// more than a second, 30 m/s or two turns a second.
+/// Tangent (x, y, theta) a second from one pose to the next; none if time does not advance, or if the step is too large
+/// for a robot: more than a second, 30 m/s or two turns a second.
 std::optional<Eigen::Vector3d> speed_between(const Odometry& before, const Odometry& now);
 
-/// Gives scans the speed of the robot by odometry where their readers did not. Each laser has the scan before of its
-/// own, so that two that fire at almost the same time do not divide by almost nothing.
+/// Gives scans without a speed the robot's speed by odometry. Each laser has its own previous scan, so that two lasers
+/// with almost equal stamps do not divide by almost zero.
 class OdometrySpeed {
  public:
   void complete(ScanRecord& scan);
@@ -25,13 +25,13 @@ class OdometrySpeed {
   std::vector<std::optional<Odometry>> before_;  ///< by laser
 };
 
-/// Gives scans without a speed one by the map's poses: from the middle of one sweep to that of the next of the
-/// same laser. There a scan is where it is, whatever speed it was given; from stamp to stamp each speed would make the
-/// next one.
+/// Gives scans without a speed one by the map's poses, from the middle of one sweep to the middle of the next of the
+/// same laser. The pose at the middle does not depend on the speed given to the scan; from stamp to stamp each speed
+/// would affect the next.
 class MapSpeed {
  public:
   void complete(ScanRecord& record) const;
-  /// The scan as it was matched.
+  /// Takes a matched scan and its pose.
   void take(const ScanRecord& record, const Pose2& T_map_base);
 
  private:

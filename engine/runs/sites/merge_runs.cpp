@@ -43,7 +43,7 @@ void tell(const MergeRequest& request, std::string_view what, double share) {
   check(request);
 }
 
-// By time, so that nothing depends on the order in which they were named.
+// Reads the runs sorted by time, so that the order of the arguments does not matter.
 std::vector<RunSession> read_runs(const MergeRequest& request) {
   std::vector<RunSession> runs;
   runs.reserve(request.runs.size());
@@ -73,7 +73,7 @@ std::vector<SharedRuns> find_shared(const std::vector<RunSession>& runs) {
   return shared;
 }
 
-// The map of all keyframes, one run after the other, paper equations (1) and (9) to (11).
+// Merges all keyframes run by run, paper equations (1) and (9) to (11).
 std::unique_ptr<SeparateMap> merge_map(const std::vector<const RunSession*>& runs, const MergedSite& site) {
   auto map = std::make_unique<SeparateMap>(runs.front()->settings.mapper);
   for (std::size_t k = 0; k < runs.size(); ++k) {

@@ -1,7 +1,7 @@
-// Runs of several drives joined to sites: what `gdtslam merge` does. The folder that it writes has a run folder for
-// each site, numbered from 1, with the path of each run in it, and merge.json, which tells what was joined with what,
-// why, and what changed meanwhile (docs/formats.md). The same bytes in whatever order the runs are named. One call
-// belongs to one thread; it may use more. Cost: docs/howto/merge.md.
+// Joins runs of several drives to sites; the work of `gdtslam merge`. The written folder has a run folder for each
+// site, numbered from 1, with the path of each run in it. merge.json states which runs were joined, why, and what
+// changed meanwhile (docs/formats.md). The order of the runs does not change a byte. One call belongs to one thread; it
+// may use more. Cost: docs/howto/merge.md.
 #pragma once
 
 #include <functional>
@@ -18,12 +18,12 @@ struct MergeRequest {
   std::vector<std::string> runs{};  ///< folders
   std::string folder{};             ///< folder of the results; made if need be
   MergeOptions options{};
-  bool with_map = true;  ///< the occupancy map, and the pictures of it
+  bool with_map = true;  ///< the occupancy map and its pictures
   bool with_pictures = true;
-  bool replace_foreign_files = false;  ///< files in the folder that no merge wrote are removed, else it is refused
-  unsigned threads = 1;                ///< 0: one a processor
+  bool replace_foreign_files = false;  ///< foreign files in the folder are removed; otherwise the folder is refused
+  unsigned threads = 1;                ///< 0: one for each processor
 
-  MergeProgress progress{};  ///< the step at work, and the share of it that is done
+  MergeProgress progress{};  ///< the current step and the share of it that is done
   std::function<bool()> stop{};
 };
 
@@ -45,18 +45,18 @@ struct JoinedSite {
   SiteChanges changes;
 };
 
-/// A run that was searched in a site as it was by then.
+/// A search of a run in a site as it was at that time.
 struct RunSearch {
   std::string query;  ///< folders
   std::vector<std::string> searched_in;
   SessionSearch search;
 };
 
-/// Two runs with scans that are the same measurements, as a run and its edited copy have them.
+/// Two runs that share scans, such as a run and its edited copy.
 struct SharedRuns {
   std::string run;  ///< folders
   std::string with;
-  std::size_t keyframes = 0;  ///< that both have
+  std::size_t keyframes = 0;  ///< keyframes that both have
 };
 
 struct MergeOutcome {
@@ -66,7 +66,7 @@ struct MergeOutcome {
   std::string report;  ///< the text of merge.json
 };
 
-/// Throws InputError, UsageError, FileError, and Error(kInterrupted) where stop() became true; then nothing is written.
+/// Throws InputError, UsageError, FileError, and Error(kInterrupted) if stop() became true; then nothing is written.
 MergeOutcome merge_runs(const MergeRequest& request);
 
 }  // namespace gdtslam

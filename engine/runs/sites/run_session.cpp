@@ -36,8 +36,7 @@ void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, const 
   }
 }
 
-// Relations of places that follow each other are the path's, the others are loops, whose weight is in their
-// information.
+// Relations of consecutive places are the path's; the others are loops, whose weight is in their information.
 void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session) {
   const std::string file = run.files().path("graph.g2o");
   const GraphLines graph = run.graph();
@@ -68,7 +67,7 @@ void take_graph(const RunReader& run, const RunKeyframes& kept, Session& session
   }
 }
 
-constexpr float kTooNear_m = 0.001F;  // a range that no run counts; keyframes.bin.gz has none that is shorter
+constexpr float kTooNear_m = 0.001F;  // a range that no run counts; keyframes.bin.gz has no shorter one
 constexpr double kLeastMinRange_m = 0.002;
 
 ScanConfig find_widest(const std::vector<RunSession>& runs) {
@@ -152,7 +151,7 @@ bool has_return(const LaserScan& laser) {
                      [](float range_m) { return std::isfinite(range_m); });
 }
 
-// Merges and edits make a reading a beam without return; no reading ever changes to another, and most are still there.
+// Merges and edits turn some readings into no returns; they never change a reading's range, and most readings stay.
 bool are_one_scan(const LaserScan& a, const LaserScan& b) {
   if (a.ranges_m.size() != b.ranges_m.size()) return false;
   std::size_t common = 0;
@@ -168,7 +167,7 @@ bool are_one_scan(const LaserScan& a, const LaserScan& b) {
   return common > taken_out;
 }
 
-// Scans with returns by stamp and run; one that a log repeats is there once.
+// Scans with returns, sorted by stamp and run, without repeated ones.
 std::vector<OwnedScan> all_scans(const std::vector<const RunKeyframes*>& runs) {
   std::vector<OwnedScan> scans;
   for (std::size_t run = 0; run < runs.size(); ++run) {
@@ -184,7 +183,7 @@ std::vector<OwnedScan> all_scans(const std::vector<const RunKeyframes*>& runs) {
 
 using Counts = std::map<std::pair<std::size_t, std::size_t>, std::size_t>;
 
-// Counts for scans with one stamp: how many of a run's are in a later run.
+// For scans with one stamp: counts the scans of a run that a later run also has.
 void count_shared(std::span<const OwnedScan> scans, Counts& counts) {
   for (std::size_t i = 0; i < scans.size(); ++i) {
     std::size_t last = scans[i].run;

@@ -1,5 +1,5 @@
-// A run as a session that can be joined with others: its keyframes with their scans, and the graph in which its loops
-// were closed. Frame: the run's map. Thread-safe; linear in the keyframes.
+// A run as a session that can be joined with others: its keyframes with their scans, and the graph with its closed
+// loops. Frame: the run's map. Thread-safe; linear in the keyframes.
 #pragma once
 
 #include <cstddef>
@@ -17,37 +17,37 @@ namespace gdtslam {
 struct RunSession {
   std::string folder;
   std::string name;              ///< name of the first log
-  std::string keyframes_sha256;  ///< tells it from others
-  Settings settings;             ///< that it was mapped with
+  std::string keyframes_sha256;  ///< identifies the run
+  Settings settings;             ///< settings of the run
   Trajectory trajectory;
-  std::vector<std::size_t> drives;  ///< scans at which another drive begins
+  std::vector<std::size_t> drives;  ///< first scans of further drives
   RunKeyframes kept;                ///< the keyframes; their scans as ranges
   Session session;                  ///< and as points
   RunFiles files;
 };
 
-/// Throws InputError, with what to do, where the folder is no run, its laser nods, it was mapped with --no-loops or by
-/// an older version, or its files do not belong together; FileError.
+/// Throws InputError with advice if the folder is no run, its laser nods, it was mapped with --no-loops or by an older
+/// version, or its files do not match; FileError.
 RunSession read_run_session(const std::string& folder);
 
-/// Gives all runs the widest of their scan.min_range and scan.max_range, and each kept scan the limits of its own run
-/// in its place: of a site every reading counts as it did where it was mapped.
+/// Gives all runs the widest of their scan.min_range and scan.max_range, and applies each run's own limits to its kept
+/// scans. So every reading of a site counts as in its own run.
 void share_range_limits(std::vector<RunSession>& runs);
 
-// Scans that two runs have both, as parts of one log, a run and its edited copy, or a site and a run that is in it.
-// What they saw counts twice where the runs are joined, and their paths look more certain than they are. Thread-safe;
-// O(n log n) in all keyframes, and of those with one stamp each of a run is held against each of the others.
+// Scans that two runs share: parts of one log, a run and its edited copy, or a site and a run in it. If such runs are
+// joined, the scans count twice, and the paths look more certain than they are. Thread-safe; O(n log n) in all
+// keyframes, and keyframes with one stamp are compared in pairs.
 
-/// Two runs, by their places in the list, the first smaller.
+/// Two runs by their indices in the list, the smaller first.
 struct SharedScans {
   std::size_t first = 0;
   std::size_t second = 0;
   std::size_t keyframes = 0;
 };
 
-/// Each pair with a keyframe in common: the same stamp, as many beams, and the same range to the millimetre wherever
-/// both have a return, which most beams have: a merge or an edit takes readings out. By first and second. A run whose
-/// log repeats a stamp with the same ranges has that scan once.
+/// Each pair of runs with a common keyframe, sorted by first and second. Common means the same stamp and number of
+/// beams, and the same range to the millimetre if both have a return. Most beams must have one in both, because a merge
+/// or an edit removes readings. A scan that a log repeats counts once.
 std::vector<SharedScans> shared_scans(const std::vector<const RunKeyframes*>& runs);
 
 }  // namespace gdtslam

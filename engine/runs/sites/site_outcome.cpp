@@ -45,7 +45,7 @@ std::vector<DriveViews> count_views(const std::vector<SiteDrive>& drives, const 
   return all;
 }
 
-// Its beams become such without return; says how many.
+// Turns overruled readings of the scan into no returns; returns their number.
 std::size_t take_out(const SessionChanges& found, std::size_t drive, const Pose2& T_site_base, const RayLimits& limits,
                      LaserScan& scan) {
   std::vector<ScanRay> rays;
@@ -133,7 +133,7 @@ nlohmann::ordered_json changes_json(const SiteChanges& changes) {
 
 namespace {
 
-constexpr std::size_t kMostMatched = 4000;  // points of a keyframe
+constexpr std::size_t kMostMatched = 4000;  // limit on points of a keyframe
 constexpr std::array kDoubts{Doubt::kFewPoints, Doubt::kLowOverlap, Doubt::kContradiction, Doubt::kWeakEvidence,
                              Doubt::kFarFromPrediction};
 
@@ -145,7 +145,7 @@ PoseCovariance to_covariance(const Matrix3& m) {
   return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
 }
 
-// Adds the doubtful scans of a run's report, numbered anew.
+// Adds the doubtful scans of a run's report with their indices in the site.
 void add_doubtful(const ReportReader& report, const RunSession& run, std::size_t before,
                   std::vector<DoubtfulScan>& doubtful) {
   for (const ReportReader& entry : report.entries("doubtful_scans")) {
@@ -169,7 +169,7 @@ void add_counts(const ReportReader& report, const RunSession& run, MapperStatist
   sum.restarts += report.whole("restarts");
 }
 
-// Sum over the drives, each from its first stamp to its last; the days between them do not count.
+// Sum over the drives of the time from first to last stamp; the days between do not count.
 double sum_durations_s(const Trajectory& path, const std::vector<std::size_t>& drives) {
   double duration_s = 0.0;
   for (std::size_t k = 0; k <= drives.size(); ++k) {
@@ -182,7 +182,7 @@ double sum_durations_s(const Trajectory& path, const std::vector<std::size_t>& d
   return duration_s;
 }
 
-// The graph of the site, its nodes numbered as the scans.
+// The graph of the site; its nodes have the numbers of the scans.
 ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& keyframes, MapOutcome& outcome) {
   ClosedPath closed;
   closed.is_closed = true;

@@ -85,10 +85,10 @@ namespace {
 
 constexpr std::size_t kStepBins = 10001;  // milliseconds
 constexpr std::size_t kMostLayouts = 16;  // layouts of a laser
-constexpr std::size_t kMostMounts = 64;   // further lasers count as the last of them
+constexpr std::size_t kMostMounts = 64;   // further lasers count as the last one
 constexpr double kShortestGap_s = 1.0;
 constexpr double kGapSteps = 5.0;      // a gap is this many usual steps, and at least kShortestGap_s
-constexpr double kLongSteps_s = 20.0;  // from scan to scan, where they are seconds
+constexpr double kLongSteps_s = 20.0;  // steps between scans that suggest another unit than seconds
 constexpr double kMostStep_s = 1e30;
 constexpr double kMountShift_m = 1e-3;
 constexpr double kMountTurn_rad = 0.1 * kPi / 180.0;
@@ -170,7 +170,7 @@ void LogChecker::add_scan(const ScanRecord& record) {
   LastScan& last = last_scans_[place];
   add_time(record.scan.stamp_s, last.stamp_s);
   if (record.T_odom_base) {
-    if (check_.scans_with_odometry++ == 0) last_odometry_.reset();  // from here on only the scans' own odometry counts
+    if (check_.scans_with_odometry++ == 0) last_odometry_.reset();  // from now on only the scans' own odometry counts
     add_odometry(record.scan.stamp_s, *record.T_odom_base, last.T_odom_base);
   }
   add_ranges(record);
@@ -180,7 +180,7 @@ void LogChecker::add_scan(const ScanRecord& record) {
   ++check_.scans;
 }
 
-// In the lists that have an entry a laser.
+// Index in the lists with one entry for each laser.
 std::size_t LogChecker::find_laser(const ScanRecord& record) {
   std::vector<LaserMount>& lasers = check_.lasers;
   const auto same = std::find_if(lasers.begin(), lasers.end(),
@@ -198,7 +198,7 @@ void LogChecker::add_time(double stamp_s, std::optional<double>& before_s) {
   check_.last_stamp_s = last_scan_s_ ? std::max(check_.last_stamp_s, stamp_s) : stamp_s;
   const LogEvent event{.scan = check_.scans, .stamp_s = stamp_s};
   if (last_scan_s_) add_pause(event, stamp_s - *last_scan_s_);
-  // That lasers of one moment come in any order is no step back; that one comes after another's later scans is.
+  // Scans of several lasers at one moment come in any order: only a large step back between lasers counts.
   const bool is_far_back = last_scan_s_ && stamp_s - *last_scan_s_ <= -kShortestGap_s;
   const std::optional<double>& since_s = is_far_back ? last_scan_s_ : before_s;
   if (since_s) add_step(event, stamp_s - *since_s);
@@ -316,7 +316,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
   ranges.no_return_count = std::accumulate(at_limit.begin(), at_limit.end(), std::uint64_t{0});
   for (const NoReturnValue& value : check.no_returns.below) {
     const std::size_t bin = find_bin(static_cast<double>(static_cast<float>(value.range_m)) * 100.0, returns.size());
-    if (bin + 1 == returns.size() && units_.are_ranges_doubtful()) continue;  // ranges of another unit, no constant
+    if (bin + 1 == returns.size() && units_.are_ranges_doubtful()) continue;  // ranges in another unit, not a constant
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
     ranges.no_return_count += returns[bin];
     returns[bin] = 0;
@@ -343,7 +343,7 @@ LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) con
 
 std::string LogCheck::obstacle() const {
   if (scans == 0) return "it holds no laser scan";
-  if (mappable_scans > 0) return "";  // even if all ranges are equal, which would stand for no return in another log
+  if (mappable_scans > 0) return "";  // also if all ranges are equal, which in another log would mean no return
   if (ranges.returns == 0) return "no beam of any scan has a return";
   return nothing_mappable(scans, scan);
 }

@@ -15,8 +15,7 @@
 
 namespace gdtslam {
 
-/// Messages of the mount that nods the laser: crank or elevation, and oddities in them that
-/// about them, seen without a linkage.
+/// Messages of the mount that nods the laser, crank or elevation, and oddities that show in them without a linkage.
 struct NodCheck {
   std::uint64_t encoder_records = 0;
   std::uint64_t tilt_records = 0;
@@ -54,14 +53,14 @@ struct StepBounds {
   double speed_m_s = 3.0;
   double angle_rad = 0.17453292519943295;     ///< 10 degrees
   double turn_rate_rad_s = 3.14159265358979;  ///< 180 degrees a second
-  double longest_s = 2.0;                     ///< longer pauses allow no more than this one
-  double unknown_s = 0.25;                    ///< assumed where the clock stood still or went backward
+  double longest_s = 2.0;                     ///< a longer pause allows no larger step
+  double unknown_s = 0.25;                    ///< assumed if the clock stood still or went backward
 };
 
-/// Whether no robot makes such a step of the odometry in that time.
+/// True if no robot moves that far in that time.
 bool is_impossible(const Pose2& step, double step_s, const StepBounds& bounds);
 
-/// A place in the log where something is odd: the scan's index from 0, its stamp and sizes that depend on the kind.
+/// An oddity in the log: index of its scan from 0, stamp, and sizes that depend on the kind.
 struct LogEvent {
   std::uint64_t scan = 0;
   double stamp_s = 0.0;
@@ -79,14 +78,14 @@ struct EventList {
   void add(const LogEvent& event, double size);
 };
 
-/// Layout of the beams and how many scans have it.
+/// Layout of the beams and the number of scans with it.
 struct BeamLayout {
   std::size_t beams = 0;
   double first_bearing_rad = 0.0;
   double step_rad = 0.0;
   double max_range_m = 0.0;  ///< limit that the log states; 0: none
   std::uint64_t scans = 0;
-  std::size_t laser = 0;  ///< whose scans they are
+  std::size_t laser = 0;  ///< the laser of these scans
 };
 
 /// Place of one of the lasers on the robot.
@@ -94,7 +93,7 @@ struct LaserMount {
   std::size_t laser = 0;  ///< its number in the log
   std::uint64_t scans = 0;
   Pose2 T_base_laser;         ///< mount of its first scan
-  std::uint64_t changes = 0;  ///< its scans whose mount differs from it by more than 1 mm or 0.1 degrees
+  std::uint64_t changes = 0;  ///< scans whose mount differs by more than 1 mm or 0.1 degrees
 };
 
 /// Statistics of the ranges.
@@ -114,7 +113,7 @@ bool is_mappable(const LaserScan& scan, const ScanConfig& config);
 /// "none of the 12 scans has 20 returns (scan.min_points) between 0.1 m (scan.min_range) and 40 m (scan.max_range)".
 std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config);
 
-/// Whether stamps are in seconds at all, as a question; empty where there is no doubt.
+/// Asks whether stamps are in seconds; empty if there is no doubt.
 std::string question_of_unit(double usual_step_s);
 
 /// The same question for a log that was mapped.
@@ -127,16 +126,16 @@ struct LogCheck {
   NodCheck nod;
   double first_stamp_s = 0.0;  ///< earliest
   double last_stamp_s = 0.0;   ///< latest
-  double median_step_s = 0.0;  ///< between scans of a laser, forward steps only; 10 s where it is longer
-  double usual_step_s = 0.0;   ///< the same, however long: then the mean of those of 10 s and more
+  double median_step_s = 0.0;  ///< between scans of a laser, forward steps only; at most 10 s
+  double usual_step_s = 0.0;   ///< the same; if it is longer, the mean of the steps of 10 s and more
   EventList gaps;              ///< time without a scan of any laser
-  EventList backward_stamps;   ///< from scan to scan of a laser, or from any scan by a second and more
+  EventList backward_stamps;   ///< between scans of one laser, or by a second and more after any scan
   EventList repeated_stamps;   ///< from scan to scan of a laser
   EventList impossible_steps;  ///< jumps of the odometry
   double gap_bound_s = 0.0;
   double path_m = 0.0;            ///< by odometry, impossible steps left out
-  double turned_rad = 0.0;        ///< sum of the absolute turns, likewise
-  std::uint64_t still_scans = 0;  ///< odometry equal to that of the laser's scan before
+  double turned_rad = 0.0;        ///< sum of the absolute turns, impossible steps left out
+  std::uint64_t still_scans = 0;  ///< scans with the same odometry as the laser's previous scan
   std::vector<BeamLayout> layouts;
   std::uint64_t other_layouts = 0;  ///< scans of layouts beyond the listed ones
   RangeStatistics ranges;
@@ -144,7 +143,7 @@ struct LogCheck {
   std::vector<LaserMount> lasers;  ///< in the order of their first scans
   std::uint64_t scans_without_returns = 0;
   std::uint64_t mappable_scans = 0;  ///< with at least scan.min_points returns, as the mapper counts them
-  ScanConfig scan;                   ///< the rule that they were counted by
+  ScanConfig scan;                   ///< the rule for counting them
   std::vector<std::string> questions_of_units;
   std::vector<LogReader::Warning> warnings;
 
@@ -158,7 +157,7 @@ struct LogCheck {
 /// Collects a LogCheck record by record.
 class LogChecker {
  public:
-  /// `scan` says which scans the mapper can use.
+  /// `scan` decides which scans the mapper can use.
   explicit LogChecker(const StepBounds& bounds, const ScanConfig& scan = {}) : bounds_(bounds) { check_.scan = scan; }
   void add(const LogRecord& record);
   /// The result; the warnings are the reader's.
@@ -192,7 +191,7 @@ class LogChecker {
   std::optional<double> last_scan_s_;         ///< for any laser
   std::vector<std::uint64_t> steps_ms_;       ///< histogram of the forward steps of each laser, the last bin open
   std::vector<std::uint64_t> pauses_ms_;      ///< histogram of the steps from scan to scan of any laser
-  double long_steps_s_ = 0.0;                 ///< sum of those in the open bin
+  double long_steps_s_ = 0.0;                 ///< sum of the steps in the open bin
   std::vector<LogEvent> longest_pauses_;      ///< the longest first
   NoReturnFinder no_return_;
 };

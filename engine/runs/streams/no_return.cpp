@@ -18,10 +18,10 @@ constexpr std::size_t kRangeBins = 20001;  // centimetres
 constexpr std::size_t kMostConstants = 3;
 constexpr std::size_t kShortestRow = 3;      // beams with the same range
 constexpr std::uint64_t kLeastScans = 10;    // with such rows
-constexpr std::uint64_t kMostAbove = 100;    // so many times fewer ranges are above a certain constant
+constexpr std::uint64_t kMostAbove = 100;    // least ratio of ranges at a certain constant to ranges above it
 constexpr float kMoved_m = 0.05F;            // more than the noise of a range
-constexpr std::uint64_t kMovedShare = 4;     // one of so many ranges that differ
-constexpr std::uint64_t kOfferedShare = 20;  // one of so many beams
+constexpr std::uint64_t kMovedShare = 4;     // least share of moved ranges among those that differ: one in this many
+constexpr std::uint64_t kOfferedShare = 20;  // one beam in this many
 
 // Sensors report "no return" as one large constant: a lonely spike at the upper end of the ranges.
 bool is_spike(const std::vector<std::uint64_t>& histogram, std::size_t bin, std::uint64_t total) {
@@ -44,11 +44,11 @@ std::vector<std::size_t> constant_bins(const std::vector<std::uint64_t>& histogr
   for (std::size_t bin = highest * 4 / 5; bin < highest; ++bin) {
     if (bin >= 100 && is_spike(histogram, bin, total)) found.push_back(bin);
   }
-  if (found.size() > kMostConstants) found.clear();  // a wall that was seen from one place
+  if (found.size() > kMostConstants) found.clear();  // a wall seen from one place
   return found;
 }
 
-// The decimal number of the log, 7.99, and not that of its float32, 7.98999977.
+// The decimal number in the log: 7.99, not the 7.98999977 of its float32.
 double shortest_decimal(float range_m) {
   const std::string text = fmt::format("{}", range_m);
   double value = static_cast<double>(range_m);
@@ -88,7 +88,7 @@ LogFinding no_return_finding(const NoReturnValue& value, std::uint64_t beams) {
           .is_mended = true};
 }
 
-// A laser at rest sees the farthest wall at one range, too: only scans between which it moved are evidence.
+// A laser at rest also sees the farthest wall at one range, so scans count as evidence only after it has moved.
 bool NoReturnFinder::has_moved(const LaserScan& scan, std::size_t laser) {
   std::vector<float>& last = last_m_[laser];
   bool has_moved = last.size() != scan.ranges_m.size();
@@ -107,7 +107,7 @@ bool NoReturnFinder::has_moved(const LaserScan& scan, std::size_t laser) {
   return has_moved;
 }
 
-// The majority vote of Boyer and Moore: `repeated` is at least the excess of the range that has most rows.
+// The majority vote of Boyer and Moore: `repeated` is at least the excess of the most frequent range over all others.
 void NoReturnFinder::add_row(float range_m, std::uint64_t beams) {
   Seen& seen = seen_cm_[bin_of_range(range_m)];
   if (std::exchange(seen.last_scan, moved_) != moved_) ++seen.scans;
@@ -187,7 +187,7 @@ std::vector<LogFinding> take_no_return(const std::vector<std::string>& logs, con
       if (!record) break;
       finder.add(record->scan, record->laser);
     }
-  } catch (const Error&) {  // the run itself reports what is wrong with the log
+  } catch (const Error&) {  // the run itself reports the fault of the log
   }
   const NoReturns found = finder.finish();
   const std::optional<NoReturnValue> value = found.taken(settings.mapper.scan);

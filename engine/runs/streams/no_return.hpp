@@ -1,5 +1,5 @@
-// Ranges that stand for "nothing seen". Sensors report it as a constant: at the limit that they state, just below it,
-// or without stating one. Metres. Memory is bounded. One finder belongs to one thread; O(beams) a scan.
+// Ranges that stand for "nothing seen". Sensors report it as a constant: at their stated limit, just below it, or
+// without a stated limit. Metres. Memory is bounded. One finder belongs to one thread; O(beams) a scan.
 #pragma once
 
 #include <algorithm>
@@ -43,8 +43,8 @@ inline std::size_t quantile_bin(const std::vector<std::uint64_t>& histogram, dou
 struct NoReturnValue {
   double range_m = 0.0;  ///< value in the log, to the precision of float32
   std::uint64_t beams = 0;
-  /// No wall explains it: neighbouring beams have exactly this range while the robot moves, and nothing is farther. No
-  /// laser states a lower limit, which log.max_range would replace.
+  /// True if no wall explains it: neighbouring beams have exactly this range while the robot moves, nothing is farther,
+  /// and no laser states a lower limit, which log.max_range would replace.
   bool is_certain = false;
 };
 
@@ -53,25 +53,25 @@ struct NoReturns {
   std::vector<double> at_limit_m;    ///< at or above the stated limit, to a centimetre
   std::vector<NoReturnValue> below;  ///< ascending
   std::uint64_t beams = 0;           ///< beams of all scans
-  /// The value that `map` takes for no return: the lowest certain one, if the mapper would use such ranges.
+  /// The value that `map` treats as no return: the lowest certain one, if the mapper would use such ranges.
   [[nodiscard]] std::optional<NoReturnValue> taken(const ScanConfig& scan) const;
-  /// A value that may be one, in too many beams to pass over; the lowest.
+  /// The lowest value that may mean no return and is in too many beams to ignore.
   [[nodiscard]] std::optional<NoReturnValue> ambiguous(const ScanConfig& scan) const;
 };
 
 /// "--set log.max_range=7.99m".
 std::string no_return_option(const NoReturnValue& value);
-/// That map takes the value for no return.
+/// Finding: map treats the value as no return.
 LogFinding no_return_finding(const NoReturnValue& value, std::uint64_t beams);
 
 class NoReturnFinder {
  public:
   void add(const LaserScan& scan, std::size_t laser);
-  /// Scans between which the laser moved suffice to tell which value is certain; more of them change nothing.
+  /// True if the laser moved between enough scans to decide which value is certain.
   [[nodiscard]] bool is_settled() const { return moved_ >= kEnoughMoved; }
   [[nodiscard]] NoReturns finish() const;
-  /// Counts by centimetre of the finite ranges below the stated limit, and of those at or above it; the last bin is
-  /// open. Empty before the first scan.
+  /// Counts by centimetre: finite ranges below the stated limit, and ranges at or above it. The last bin is open. Empty
+  /// before the first scan.
   [[nodiscard]] const std::vector<std::uint64_t>& below_cm() const { return below_cm_; }
   [[nodiscard]] const std::vector<std::uint64_t>& at_limit_cm() const { return at_limit_cm_; }
 
@@ -81,7 +81,7 @@ class NoReturnFinder {
   struct Seen {
     std::uint64_t beams = 0;
     std::uint64_t scans = 0;      ///< with such rows
-    std::uint64_t last_scan = 0;  ///< number of that scan, counted from 1
+    std::uint64_t last_scan = 0;  ///< number of the last such scan, counted from 1
     std::uint64_t repeated = 0;   ///< in rows of beams that all have `range_m`, a lower bound
     float range_m = 0.0F;         ///< the range of most such rows
   };
@@ -99,9 +99,9 @@ class NoReturnFinder {
   std::map<std::size_t, std::vector<float>> last_m_;  ///< by laser: ranges of the last scan that counted in seen_cm_
 };
 
-/// Reads the begin of what will be mapped of the logs, until the finder is settled, and sets log.max_range to the value
-/// that is taken. Nothing if the limit is stated (log.max_range), if a log can be read only once, as a pipe, or if
-/// nothing is certain. Once `stop` returns true, what was read by then counts.
+/// Reads the start of the mapped range until the finder is settled, and sets log.max_range to the value taken as no
+/// return. Does nothing if log.max_range is stated, if a log is a pipe that can be read only once, or if no value is
+/// certain. Once `stop` returns true, the scans read by then count.
 std::vector<LogFinding> take_no_return(const std::vector<std::string>& logs, const ScanRange& range, bool lenient,
                                        Settings& settings, const std::function<bool()>& stop);
 

@@ -12,9 +12,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLatest_s = 1.0;   // messages that come this long after a scan of the log's time come too late
+constexpr double kLatest_s = 1.0;   // messages this much later in the log's time than a scan are too late
 constexpr double kMemory_s = 10.0;  // memory of the track, for stamps that step back
-constexpr int kMostBehind = 1000;   // records that are read behind the last scan for what they tell of it
+constexpr int kMostBehind = 1000;   // records read after the last scan for messages that cover it
 
 }  // namespace
 
@@ -44,14 +44,14 @@ bool NoddingStream::take(const LogRecord& record) {
   return false;
 }
 
-// After a clock was set back, no message will cover the scans from before any better.
+// After a clock was set back, no later message covers the scans from before.
 void NoddingStream::expect_set_back(double stamp_s) {
   if (!track_.begins_again_at(stamp_s)) return;
   while (!waiting_.empty() && !waiting_.front().is_set_back) resolve_first();
   for (Waiting& scan : waiting_) scan.is_set_back = false;
 }
 
-// Another log has a clock of its own; the scans of the last one know all that they will ever know.
+// Another log has its own clock, so no further message covers the scans of the previous log.
 void NoddingStream::begin_log() {
   while (!waiting_.empty()) resolve_first();
   merge_warnings(earlier_, track_.faults().as_warnings());
@@ -74,7 +74,7 @@ void NoddingStream::resolve_first() {
   if (found.knots.empty()) {
     if (uncovered_.count++ == 0) uncovered_.first = fmt::format("scan {} at {:.6f} s", given_ + ready_.size(), stamp_s);
   }
-  // One stamp far ahead must not cost what the others need.
+  // One stamp far ahead must not discard knots that other scans need.
   double oldest_s = std::min(stamp_s, track_.known_until_s().value_or(stamp_s));
   for (const Waiting& other : waiting_) oldest_s = std::min(oldest_s, other.record.scan.stamp_s);
   track_.forget_before(oldest_s - kMemory_s);
@@ -99,7 +99,7 @@ std::optional<NoddingScan> NoddingStream::next() {
       continue;
     }
     if (waiting_.empty()) return std::nullopt;
-    // Behind --first the log goes on, and with it what tells of the last scans.
+    // The log continues after --first, with messages that cover the last scans.
     for (int k = 0; k < kMostBehind && !can_resolve(waiting_.front()) && scans_.feed_listener(); ++k) {
     }
     resolve_first();

@@ -1,6 +1,6 @@
-// The scans of logs whose laser nods, each with where the crank was while it was taken. A scan waits until the crank's
-// messages cover it, or until it is plain that none will. One stream belongs to one thread; memory: the scans that
-// wait.
+// Scans of logs with a nodding laser, each with the positions of the crank during the scan. A scan waits until the
+// crank's messages cover it, or until it is clear that none will. One stream belongs to one thread; memory: the waiting
+// scans.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ namespace gdtslam {
 
 class NoddingStream {
  public:
-  /// `kind` is what the logs tell by, ENCODER or TILT. The stream of scans must outlive this.
+  /// `kind`: the messages in the logs, ENCODER or TILT. The stream of scans must outlive this.
   NoddingStream(ScanStream& scans, NodKind kind, const calib::SweepModel& model, const calib::NodTrackLimits& limits);
   NoddingStream(const NoddingStream&) = delete;
   NoddingStream& operator=(const NoddingStream&) = delete;
   ~NoddingStream();
 
-  /// The next scan in log order; its knots are empty where the messages do not cover it. Throws as ScanStream does.
+  /// The next scan in log order; its knots are empty if the messages do not cover it. Throws as ScanStream does.
   std::optional<NoddingScan> next();
-  /// Faults of the messages so far, by kind, and scans that are not covered.
+  /// Faults of the messages so far, by kind, and uncovered scans.
   [[nodiscard]] std::vector<LogReader::Warning> warnings() const;
 
   static constexpr std::size_t kMostWaiting = 1000;
@@ -36,7 +36,7 @@ class NoddingStream {
     ScanRecord record;
     double from_s = 0.0;  ///< after the stamp
     double to_s = 0.0;
-    bool is_set_back = false;  ///< stamped before the scan before it: the messages' clock may follow
+    bool is_set_back = false;  ///< stamped before the previous scan: the messages' clock may follow
   };
   bool take(const LogRecord& record);
   void take_scan(ScanRecord record);
@@ -51,7 +51,7 @@ class NoddingStream {
   calib::SweepModel model_;
   calib::NodTrackLimits limits_;
   calib::NodTrack track_;
-  std::vector<LogReader::Warning> earlier_;  ///< warnings of the logs before
+  std::vector<LogReader::Warning> earlier_;  ///< warnings of earlier logs
   std::deque<Waiting> waiting_;
   std::deque<NoddingScan> ready_;
   std::uint64_t given_ = 0;

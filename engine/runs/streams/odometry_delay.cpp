@@ -16,17 +16,17 @@ namespace {
 constexpr double kMostDelay_s = 1.5;
 constexpr double kDelayStep_s = 0.01;
 constexpr double kLongestStep_s = 1.0;      // between scans
-constexpr double kSlip_rad = 0.05;          // beyond which a difference counts as this much, or as
-constexpr double kSlipNoises = 3.0;         // deviations of the differences
+constexpr double kSlip_rad = 0.05;          // cap on a difference; larger if the noise is: this many
+constexpr double kSlipNoises = 3.0;         // standard deviations of the differences
 constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable
-constexpr double kLeastTurn_rad = 3.0;      // sum over all steps that suffices for an estimate
+constexpr double kLeastTurn_rad = 3.0;      // least sum over all steps for an estimate
 constexpr std::size_t kMostShifted = 512;
 constexpr double kAround = 1.5;           // periods of the odometry on each side of the best shift: a parabola
 constexpr std::size_t kFewestAround = 4;  // shifts
 constexpr std::size_t kMostAround = 40;
-constexpr std::size_t kTenths = 10;      // parts of the log, each of which is left out once
+constexpr std::size_t kTenths = 10;      // parts of the log; each is left out once
 constexpr double kLeastSigma_s = 0.002;  // error of straight lines between stamps
-constexpr double kLeastWalk_s = 1.0e-6;  // least variation of its smoothing that is distinguishable from the parabola
+constexpr double kLeastWalk_s = 1.0e-6;  // least variation of the smoothing that differs from a parabola
 
 /// Headings by odometry over time, unwrapped; along straight lines between the stamps.
 class HeadingTrack {
@@ -41,8 +41,8 @@ class HeadingTrack {
   /// A heading on the track.
   struct Place {
     double heading_rad = 0.0;
-    std::size_t after = 0;  ///< index of the later of the two points that it lies between
-    double share = 0.0;     ///< share of the way from the one before
+    std::size_t after = 0;  ///< index of the later of the two points around it
+    double share = 0.0;     ///< share of the way from the earlier point
   };
   /// Returns none outside of the track and in its gaps.
   [[nodiscard]] std::optional<Place> at(double stamp_s) const {
@@ -55,9 +55,8 @@ class HeadingTrack {
     return Place{before->second + (after->second - before->second) * share,
                  static_cast<std::size_t>(after - points_.begin()), share};
   }
-  /// Variance of the turn from one place to a later one, where headings walk at random by a unit a second: less than
-  /// the time between the two where they lie within steps, as a part of a step's error is a part of its variance's
-  /// root.
+  /// Variance of the turn from one place to a later one if headings walk at random with unit variance a second. Less
+  /// than the time between them for places within a step: a share of a step has that share of its error.
   [[nodiscard]] double walk_s(const Place& from, const Place& to) const {
     const auto span_s = [&](std::size_t after) { return points_[after].first - points_[after - 1].first; };
     const auto part = [&](double share, std::size_t after) { return share * share * span_s(after); };
@@ -70,9 +69,9 @@ class HeadingTrack {
   std::vector<std::pair<double, double>> points_;
 };
 
-/// How badly turns by scans and by odometry agree at a shift.
+/// Disagreement of turns by scans and by odometry at a shift.
 struct Agreement {
-  double sum = 0.0;   ///< sum of squared differences, those of slips capped, rad^2
+  double sum = 0.0;   ///< sum of squared differences, capped for slips, rad^2
   double walk = 0.0;  ///< sum of HeadingTrack::walk_s()
   std::size_t steps = 0;
   [[nodiscard]] double mean() const {
@@ -104,7 +103,7 @@ struct Stretch {
   [[nodiscard]] std::size_t part_with(std::size_t step) const { return step * kTenths / headings.size(); }
 };
 
-/// A step between two scans: how much farther it turned by them than by odometry, and HeadingTrack::walk_s() of it.
+/// A step between two scans: its turn by the scans minus its turn by odometry, and its HeadingTrack::walk_s().
 struct TurnOff {
   double rad = 0.0;
   double walk_s = 0.0;
@@ -124,7 +123,7 @@ std::optional<TurnOff> turn_off(const Stretch& stretch, std::size_t step, double
 
 double capped_square(double off_rad, double slip_rad) { return std::min(off_rad * off_rad, slip_rad * slip_rad); }
 
-// A turn that the wheels missed must stand out of their noise. Most steps turn little and show that noise.
+// A turn that the wheels missed must stand out from their noise. Most steps turn little and show that noise.
 double estimate_slip(const std::vector<Stretch>& stretches) {
   std::vector<double> off_rad;
   for (const Stretch& stretch : stretches) {
@@ -152,11 +151,11 @@ Agreements agreements_at(const std::vector<Stretch>& stretches, double shift_s, 
   return agreements;
 }
 
-// A clock that was set back begins a new stretch; a stamp far ahead of both its neighbours is left out.
+// A clock that was set back begins a new stretch; a stamp far ahead of both neighbours is left out.
 std::vector<std::vector<TimedHeading>> split_stretches(std::span<const TimedHeading> headings) {
   std::vector<std::vector<TimedHeading>> stretches(1);
   double latest_s = -std::numeric_limits<double>::infinity();
-  std::size_t past = 0;  // the last ones, in a row, that go forward behind the latest
+  std::size_t past = 0;  // number of last headings in a row that go forward but are before the latest
   for (std::size_t i = 0; i < headings.size(); ++i) {
     const double stamp_s = headings[i].stamp_s;
     const double before_s = i > 0 ? headings[i - 1].stamp_s : stamp_s;
@@ -186,8 +185,8 @@ double turned_rad(std::span<const TimedHeading> headings) {
 }
 
 // The minimum of a parabola through the disagreement at shifts around the best one, in shifts from the first. Least
-// squares with four unknowns: constant, slope, bend, and the share of what is left that is a random walk of the
-// odometry. Between two of its stamps that walk is smoothed, which looks like a better shift by up to half a period.
+// squares with four unknowns: constant, slope, bend, and the share of the rest that is a random walk of the odometry.
+// Between two of its stamps that walk is smoothed, which looks like a better shift by up to half a period.
 std::optional<double> find_lowest(std::span<const Agreement> around) {
   const auto count = static_cast<double>(around.size());
   const double middle = 0.5 * (count - 1.0);
@@ -239,8 +238,8 @@ std::optional<Lowest> lowest_with_sigma(std::span<const Agreements> around) {
   return Lowest{*whole, std::sqrt(kOfSquares * squares)};
 }
 
-// Shifts on each side of the best one that a parabola is laid through: no farther than half up, where differences that
-// count as slips bend it.
+// Shifts on each side of the best one to fit the parabola to: not beyond half of the rise, because capped slips bend
+// the curve there.
 std::size_t shifts_around(std::span<const TimedHeading> headings, std::span<const Agreements> at, std::size_t best) {
   double sum_s = 0.0;
   double steps = 0.0;
@@ -271,9 +270,9 @@ std::size_t best_shift(const std::vector<Agreements>& at, const AgreementOf& agr
   return best;
 }
 
-// The delay is judged by scans that it was not found with: each tenth of the log at the delay that the others tell. It
-// is compared with none. Between two stamps the noise of the odometry is smoothed, whichever way it is shifted, and a
-// delay is one way only; so as much the other way stands for none if it leaves less.
+// Cross-validation: each tenth of the log is judged at the delay found from the others, and compared with no delay. A
+// shift either way smooths the noise of the odometry between two stamps, but a delay is one way only. So the same shift
+// the other way replaces no delay if it leaves smaller differences.
 double measure_gain(const std::vector<Stretch>& stretches, const std::vector<Agreements>& at, std::size_t best,
                     double slip_rad) {
   const std::size_t none = at.size() / 2;
@@ -317,7 +316,8 @@ std::optional<OdometryDelay> estimate_delay(std::span<const TimedHeading> headin
   for (int k = -most; k <= most; ++k) at.push_back(agreements_at(stretches, k * kDelayStep_s, slip_rad));
   const std::size_t best = best_shift(at, [](const Agreements& shift) { return shift.all; });
   const std::size_t around = shifts_around(headings, at, best);
-  if (best < around || best + around >= at.size()) return std::nullopt;  // agrees best beyond what is looked for
+  if (best < around || best + around >= at.size())
+    return std::nullopt;  // the best shift is outside of the search range
   const std::optional<Lowest> lowest = lowest_with_sigma(std::span(at).subspan(best - around, 2 * around + 1));
   if (!lowest) return std::nullopt;
   const double shift = static_cast<double>(best) - static_cast<double>(around) + lowest->at - most;
@@ -346,7 +346,7 @@ void OdometryShift::take(ScanRecord scan) {
   waiting.stretch = track_.stretch();
   waiting.stamp_s = stamp_s;
   waiting.is_placed = !track_.has_past();
-  // Far in the past it is wild, if it stays alone: it was taken a step after the one before it.
+  // A single stamp far in the past is wild: its scan is placed one step after the previous one.
   if (track_.is_in_doubt()) waiting.stamp_s = track_.back().stamp_s + track_.usual_step_s();
   waiting_.push_back(std::move(waiting));
   if (track_.has_past()) return;
@@ -354,7 +354,7 @@ void OdometryShift::take(ScanRecord scan) {
   for (Waiting& placed : waiting_) placed.is_placed = true;
 }
 
-// The last poses were right by their stamps; what the track has forgotten for them was taken a step before them.
+// The last poses have right stamps; the poses that the track forgot because of them are placed one step earlier.
 void OdometryShift::place_again() {
   const double first_s = track_.first_after_set_back_s();
   bool is_right = true;

@@ -1,6 +1,5 @@
-// By how much odometry lags behind the laser: recorders stamp both when they arrive, and one may come late. The turns
-// of the robot by its scans are laid on those by its odometry; the shift at which they agree best is the delay. Not
-// thread-safe.
+// Delay of odometry after the laser: recorders stamp both on arrival, and one may arrive late. The robot's turns by its
+// scans are compared with its turns by odometry; the shift with the best agreement is the delay. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -24,21 +23,20 @@ struct TimedHeading {
   double by_scans_rad = 0.0;
 };
 
-/// Returns none if the robot turned too little. Shifts of up to 1.5 s either way are tried; each difference
-/// counts up to some degrees, so that slips and wrong matches are a few of many. Cost: some milliseconds a thousand
-/// headings.
+/// Returns none if the robot turned too little. Shifts of up to 1.5 s either way are tried; differences are capped at
+/// some degrees because of slips and wrong matches. Cost: some milliseconds for a thousand headings.
 std::optional<OdometryDelay> estimate_delay(std::span<const TimedHeading> headings);
 
 std::vector<TimedHeading> to_headings(std::span<const TimedMotion> motions);
 
-/// Gives scans the odometry that was stamped a delay later than they, once it has come; of the same stretch of the
-/// clock, where that was set back. A scan whose stamp is wild gets that of where it was read between the others.
+/// Gives each scan the odometry stamped one delay later, once it has arrived. If the clock was set back, the odometry
+/// is of the same stretch of the clock. A scan with a wild stamp is placed by its order in the log.
 class OdometryShift {
  public:
   explicit OdometryShift(double delay_s) : delay_s_(delay_s) {}
   [[nodiscard]] double delay_s() const { return delay_s_; }
   void take(ScanRecord scan);
-  /// The next scan whose odometry is there; with `at_end` also those that wait, with the last that is known.
+  /// The next scan with its odometry; with `at_end` also waiting scans, with the last known odometry.
   std::optional<ScanRecord> next(bool at_end);
 
  private:
@@ -46,7 +44,7 @@ class OdometryShift {
     ScanRecord scan;
     std::uint64_t stretch = 0;
     double stamp_s = 0.0;   ///< its own, unless that is wild
-    bool is_placed = true;  ///< no later scan changes what is above
+    bool is_placed = true;  ///< no later scan changes the members above
   };
   void place_again();
   [[nodiscard]] Pose2 odometry_at(const Waiting& waiting) const;

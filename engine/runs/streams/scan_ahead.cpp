@@ -23,7 +23,7 @@ ScanAhead::ScanAhead(ScanStream& scans, bool has_thread) : scans_(scans), has_th
   const SignalsBlocked blocked;
   try {
     thread_ = std::thread([this] { work(); });
-  } catch (const std::system_error&) {  // the caller reads then
+  } catch (const std::system_error&) {  // then the caller reads
     has_thread_ = false;
   }
 }
@@ -54,7 +54,7 @@ void ScanAhead::work() {
   cpu_s_ = own_cpu_s();
 }
 
-// All that is there is taken at once, so that the two seldom meet. Behind the end there is nothing but the end.
+// Takes all that was read at once, so that the two threads seldom wait for each other. After the end it returns none.
 std::optional<Observation> ScanAhead::next() {
   if (!has_thread_) return scans_.next_observation();
   if (taken_.empty()) {

@@ -1,5 +1,5 @@
-// The observations of a stream, read and decoded by a thread of their own some ahead of whoever maps them. What the
-// stream throws comes in its place, behind the scans before it. One caller.
+// Observations of a stream that a thread reads and decodes ahead of the mapper. An exception of the stream is thrown in
+// its place, after the scans before it. One caller.
 #pragma once
 
 #include <condition_variable>
@@ -16,13 +16,12 @@
 
 namespace gdtslam {
 
-/// Whether all of these are files that do not grow while they are read: to wait for more of them never takes long.
+/// True if all logs are plain files that do not grow, so that reading never waits long.
 bool are_plain_files(const std::vector<std::string>& logs);
 
 class ScanAhead {
  public:
-  /// `scans` must outlive this and is not to be touched until stop(). Without a thread they are read when they are
-  /// asked for.
+  /// `scans` must outlive this; leave it alone until stop(). Without a thread, next() reads them.
   ScanAhead(ScanStream& scans, bool has_thread);
   ScanAhead(const ScanAhead&) = delete;
   ScanAhead& operator=(const ScanAhead&) = delete;
@@ -34,11 +33,11 @@ class ScanAhead {
   [[nodiscard]] double progress() const { return has_thread_ ? progress_ : scans_.progress(); }
   /// Ends the thread; what was read ahead is dropped.
   void stop();
-  /// That the thread spent; after stop().
+  /// CPU time of the thread; after stop().
   [[nodiscard]] double cpu_s() const { return cpu_s_; }
 
  private:
-  /// An observation, or none at the end, or what was thrown.
+  /// An observation, none at the end, or an exception.
   struct Read {
     std::optional<Observation> observation;
     double progress = -1.0;
@@ -52,7 +51,7 @@ class ScanAhead {
   ScanStream& scans_;
   bool has_thread_;
   double progress_ = -1.0;
-  std::deque<Read> taken_;  // the caller's
+  std::deque<Read> taken_;  // used by the caller alone
   // Shared by both, under the lock:
   std::mutex mutex_;
   std::condition_variable read_changed_;

@@ -21,14 +21,14 @@ namespace {
 
 constexpr double kEnoughTurn_rad = 20.0;
 constexpr std::size_t kMostScans = 3000;
-constexpr double kWindow_s = 2.0;       // longer than odometry is late
-constexpr double kTurn_rad = 0.1;       // turn of a window, to count as one
-constexpr double kStraight_m = 0.3;     // length of a stretch, more than scans are off
+constexpr double kWindow_s = 2.0;       // longer than the delay of odometry
+constexpr double kTurn_rad = 0.1;       // least turn of a window that counts
+constexpr double kStraight_m = 0.3;     // length of a stretch, more than the error of a match
 constexpr double kStraight_rad = 0.15;  // sum of all turns in it
 constexpr double kSnap_rad = 5.0 * kPi / 180.0;
 
-// Turns are wanted, and not the best map: a scan that lies wrongly is one of many. Nothing but the last motion says
-// where the next scan lies, so windows are wide; they are searched where a match is suspect, coarsely and once.
+// This look needs turns, not the best map: one wrong match among many does no harm. Only the last motion predicts the
+// next scan, so windows are wide; they are searched only for suspect matches, coarsely and once.
 MapperConfig config_of_look(MapperConfig config) {
   constexpr double kCoarser = 2.0;
   config.odometry.estimate = true;
@@ -121,7 +121,7 @@ MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options
       }
       motion.motions.push_back({result.stamp_s, *record->T_odom_base, result.T_map_base});
     }
-  } catch (const Error&) {  // the run itself reports what is wrong with the log
+  } catch (const Error&) {  // the run itself reports the fault of the log
     return {};
   }
   if (!are_times_stated(options)) motion.beam_times = beam_times.fit(mapper.scan);
@@ -134,7 +134,7 @@ bool TurnAgreement::is_opposite() const {
 
 TurnAgreement turn_agreement(std::span<const TimedMotion> motions) {
   TurnAgreement found;
-  double wheels_rad = 0.0;  // in the window in hand
+  double wheels_rad = 0.0;  // in the current window
   double scans_rad = 0.0;
   double sq_wheels = 0.0;
   double sq_scans = 0.0;
@@ -165,7 +165,7 @@ bool DirectionAgreement::is_turned() const {
 
 DirectionAgreement direction_agreement(std::span<const TimedMotion> motions) {
   DirectionAgreement found;
-  Point2 sum = Point2::Zero();  // path by the scans, the x axis along that by the wheels
+  Point2 sum = Point2::Zero();  // path by the scans, x axis along the path by the wheels
   double scans_m = 0.0;
   double turned_rad = 0.0;
   std::size_t from = 0;

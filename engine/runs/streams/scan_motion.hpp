@@ -1,5 +1,5 @@
-// The robot's motion by its scans alone beside that by its wheels. A mount or beams that the log states wrongly show in
-// how the two differ. Frames: each motion in its own, robot at the start. Not thread-safe.
+// The robot's motion by its scans alone, compared with the motion by its wheels. Differences show a mount or beams that
+// the log states wrongly. Frames: each motion in its own, robot at the start. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -24,21 +24,21 @@ struct TimedMotion {
   Pose2 T_scans_base;
 };
 
-/// Motion by the scans of a log's begin, those of its first laser.
+/// Motion by the scans of the first laser at the start of a log.
 struct MotionByScans {
   std::vector<TimedMotion> motions;
   LaserScan first_scan;                   ///< without its ranges
-  bool has_one_layout = true;             ///< beams and mount agree in all scans of all lasers
+  bool has_one_layout = true;             ///< all scans of all lasers have the same beams and mount
   std::optional<BeamTimes> beam_times{};  ///< unless `options` state them
 };
 
-/// Reads the begin of a range of a log, until the robot has turned enough, at most 3,000 scans: those of its first
-/// laser are matched as if there were no odometry. No motions if that fails, or of what can be read only once, as a
-/// pipe. Once `stop` returns true, of the scans by then.
+/// Reads the start of a range of a log until the robot has turned enough, at most 3,000 scans, and matches those of the
+/// first laser without odometry. No motions if that fails, or if the log is a pipe that can be read only once. Once
+/// `stop` returns true, the result covers the scans read by then.
 MotionByScans motion_by_scans(const std::string& log, const ReadOptions& options, const ScanRange& range,
                               const MapperConfig& mapper, const std::function<bool()>& stop);
 
-/// How turns by the scans go with those by the wheels, in windows of 2 s.
+/// Turns by the scans compared with turns by the wheels, in windows of 2 s.
 struct TurnAgreement {
   double slope = 0.0;  ///< turn by the scans for each radian by the wheels
   double correlation = 0.0;
@@ -48,7 +48,7 @@ struct TurnAgreement {
 };
 TurnAgreement turn_agreement(std::span<const TimedMotion> motions);
 
-/// How far the direction of straight driving by the scans is to the left of that by the wheels.
+/// Angle from the direction of straight driving by the wheels to that by the scans, positive to the left.
 struct DirectionAgreement {
   double left_rad = 0.0;
   double concentration = 0.0;  ///< 1: the same angle everywhere; 0: any
@@ -58,19 +58,18 @@ struct DirectionAgreement {
 };
 DirectionAgreement direction_agreement(std::span<const TimedMotion> motions);
 
-/// Faults that are certain: a mirrored laser or swapped wheels, or a mount that is turned; and wrong times of the
-/// beams.
+/// Certain faults: a mirrored laser or swapped wheels, a turned mount, wrong times of the beams.
 std::vector<LogFinding> motion_findings(const MotionByScans& motion);
 
-/// The motion and its faults, once the times of the beams are right.
+/// The motion and its faults, with the times of the beams corrected.
 struct MotionLook {
   MotionByScans motion;
   std::vector<LogFinding> faults;
-  /// For the delay of odometry, which a fault that is left would feign; else nothing.
+  /// The motions if no fault is left that would look like a delay of odometry; else none.
   [[nodiscard]] std::span<const TimedMotion> faultless() const;
 };
 
-/// Same as motion_by_scans, but wrong times of the beams are put right in `options`, and the motion is that with them.
+/// Like motion_by_scans(), but corrects wrong times of the beams in `options` and returns the motion with them.
 MotionLook look_at_motion_by_scans(const std::string& log, ReadOptions& options, const ScanRange& range,
                                    const MapperConfig& mapper, const std::function<bool()>& stop);
 

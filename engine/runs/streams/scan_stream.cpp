@@ -124,7 +124,7 @@ void OdometryInterpolator::take(ScanRecord scan) {
     waiting_.push_back(std::move(scan));
     return;
   }
-  for (ScanRecord& held : waiting_) {  // keep the order: waiting scans go first, at the last known pose
+  for (ScanRecord& held : waiting_) {  // waiting scans go first, at the last known pose, to keep the order
     held.T_odom_base = last_->T_odom_base;
     ready_.push_back(std::move(held));
   }

@@ -1,7 +1,7 @@
 // Several lasers of one robot take turns, or scan at the same time. The scans of one period are one observation of one
-// pose: together they look all ways at each step, while scans matched one by one look a different way each time. An
-// observation holds at most one scan of each laser. Which scans belong together follows from the log alone, so a live
-// run and a later one agree. Seconds. Not thread-safe; constant time a scan.
+// pose: together they see all directions at each step, while scans matched one by one see a different direction each
+// time. An observation holds at most one scan of each laser. The log alone decides which scans belong together, so a
+// live run and a later one agree. Seconds. Not thread-safe; constant time a scan.
 #pragma once
 
 #include <algorithm>
@@ -31,14 +31,14 @@ namespace gdtslam {
 /// Scans in log order, at least one. The last one's stamp is that of the observation.
 using Observation = std::vector<ScanRecord>;
 
-/// Collects scans until each laser that is active has given one. An observation also ends where a laser comes again,
-/// where it would last kLongest_s, and before the laser with the longest pause before its scans, so that scans that
-/// are close in time stay together. With one laser each scan is an observation at once.
+/// Collects scans until each active laser has given one. An observation also ends if a laser comes again, if it would
+/// last kLongest_s, and before a scan of the laser with the longest pause before its scans. So scans that are close in
+/// time stay together. With one laser each scan is an observation at once.
 class ObservationCollector {
  public:
   static constexpr double kLongest_s = 1.0;
   static constexpr std::size_t kMostLasers = 64;
-  /// A laser is active for so many observations after its last scan.
+  /// A laser stays active for this many observations after its last scan.
   static constexpr std::uint64_t kActiveObservations = 5;
 
   void take(ScanRecord scan);
@@ -50,7 +50,7 @@ class ObservationCollector {
  private:
   struct Laser {
     std::uint64_t last_observation = 0;
-    std::optional<double> gap_s;  ///< mean time from the scan before, of whichever laser, to one of this laser
+    std::optional<double> gap_s;  ///< mean time from the previous scan of any laser to a scan of this laser
   };
   [[nodiscard]] bool is_active(const Laser& laser) const;
   [[nodiscard]] bool has_scan_from(std::size_t laser) const;
@@ -60,7 +60,7 @@ class ObservationCollector {
   void finish();
   void choose_first();
 
-  Observation scans_;  ///< that are being collected
+  Observation scans_;  ///< being collected
   std::deque<Observation> ready_;
   std::vector<std::pair<std::size_t, Laser>> lasers_;  ///< with their numbers
   std::optional<std::size_t> first_;                   ///< laser with the longest pause before its scans
@@ -68,30 +68,30 @@ class ObservationCollector {
   std::uint64_t count_ = 0;  ///< number of observations
 };
 
-// The scans of one or more logs in order, each with the odometry that belongs to it. A scan's own odometry counts where
-// its line carries one; else it is interpolated between the odometry records around it. Later logs continue where the
-// one before ended: their odometry is moved so that its first pose is the last one of the log before. Frames: robot in
-// the odometry frame of the first log. One stream belongs to one thread; memory does not depend on the length of the
+// The scans of one or more logs in order, each with the odometry that belongs to it. A scan's own odometry counts if
+// its line has one; else it is interpolated between the odometry records around it. Each later log continues at the end
+// of the previous one: its odometry is moved so that its first pose is the last one of the previous log. Frames: robot
+// in the odometry frame of the first log. One stream belongs to one thread; memory does not depend on the length of the
 // logs.
 
 /// The log as messages name it: "-" is the standard input.
 std::string log_name(const std::string& path);
 
-/// The times of the beams where they are stated; all at the scan's stamp where nothing is to be deskewed.
+/// Sets the times of the beams if they are stated; all at the scan's stamp if scans are not deskewed.
 void state_beam_times(const ReadOptions& options, LaserScan& scan);
 
-/// Along the circular arc from a to b; the share is that of the time between them, and `a` where the clock stood still
+/// Along the circular arc from a to b; the share is that of the time between them. Returns `a` if the clock stood still
 /// or went backward.
 Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s);
 
 /// Gives scans without odometry the pose between the odometry records before and after them in the log. Scans before
-/// the first odometry record stay without. At most kMostHeld scans wait for the next record.
+/// the first odometry record have no pose. At most kMostHeld scans wait for the next record.
 class OdometryInterpolator {
  public:
   static constexpr std::size_t kMostHeld = 64;
   void take(const Odometry& odometry);
   void take(ScanRecord scan);
-  /// The next scan that is complete; with `at_end` also those that wait.
+  /// The next complete scan; with `at_end` also waiting scans.
   std::optional<ScanRecord> next(bool at_end);
 
  private:
@@ -109,42 +109,43 @@ class ScanStream {
   ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range, OpenLog open = {});
 
   std::optional<ScanRecord> next();
-  /// The scans of the next observation; none lies in two logs. What next() throws comes behind the scans before it.
-  /// Either of the two is to be called, not both.
+  /// The scans of the next observation, all of one log. An exception of next() comes after the scans before it. Call
+  /// either this or next(), not both.
   std::optional<Observation> next_observation();
-  /// Looks ahead for a message of a mount, up to so many scans of the first log. What is wrong with a record that it
-  /// passes is thrown when next() comes to it, or by expect_readable().
+  /// Looks ahead for a message of a mount, up to `scans_ahead` scans of the first log. The fault of a record on the way
+  /// is thrown when next() reaches it, or by expect_readable().
   NodKind nod_kind(std::size_t scans_ahead = kScansAhead);
   void expect_readable() const {
     if (ahead_problem_) std::rethrow_exception(ahead_problem_);
   }
   static constexpr std::size_t kScansAhead = 20;
   static constexpr std::size_t kMostAhead = 10000;  ///< records
-  /// The kind of the warning where a laser that nods is taken for a level one.
+  /// Kind of the warning if a nodding laser is mapped as a level one.
   static constexpr std::string_view kUnusedNods = "nodding message not used";
-  /// Takes every record but the scans, in log order, those before a scan in hand among them, and tells whether it could
-  /// use it; and hears of each log that follows the first, when all scans of the one before have been given.
+  /// `record` gets every record but the scans, in log order and before the next scan is given, and returns whether it
+  /// could use it. `next_log` is called for each log after the first, once all scans of the previous one have been
+  /// given.
   struct Listener {
     std::function<bool(const LogRecord&)> record;
     std::function<void()> next_log;
   };
   void set_listener(Listener listener) { listener_ = std::move(listener); }
-  /// Behind the last scan that is wanted: the listener takes one more record of the log in hand. False at its end.
+  /// After the last wanted scan: gives the listener one more record of the current log. False at its end.
   bool feed_listener();
-  /// Share of the wanted scans or of the input, whichever is further; negative when unknown.
+  /// Share of the wanted scans or of the input, the larger of the two; negative when unknown.
   [[nodiscard]] double progress() const;
-  /// From now on, before the first scan is taken: odometry is stamped so much later than the scans that it belongs to.
+  /// States how much later odometry is stamped than its scans. Call before the first scan is taken.
   void set_odometry_delay(double delay_s) { shift_.emplace(delay_s); }
   /// Sets the times of beams that these options state.
   void set_beam_times(const ReadOptions& options) {
     options_.first_beam_after_s = options.first_beam_after_s;
     options_.beam_period_s = options.beam_period_s;
   }
-  /// Scans that were read so far, those that were left out at the start among them.
+  /// Scans read so far, including those left out at the start.
   [[nodiscard]] std::uint64_t scans_read() const { return read_; }
   /// Warnings of all logs so far, by kind.
   [[nodiscard]] std::vector<LogReader::Warning> warnings() const;
-  /// Questions about the scans that were given.
+  /// Questions about the units of the given scans.
   [[nodiscard]] std::vector<std::string> questions_of_units() const { return units_.questions(); }
 
  private:
@@ -162,27 +163,27 @@ class ScanStream {
   OpenLog open_;
   std::size_t opened_ = 0;
   std::unique_ptr<LogReader> reader_;  ///< null once all logs are read
-  std::exception_ptr open_problem_;    ///< problem with the log behind it
+  std::exception_ptr open_problem_;    ///< problem with the log after it
   OdometryInterpolator interpolator_;
   OdometrySpeed speed_;
   UnitCheck units_;
   std::optional<OdometryShift> shift_;
   ObservationCollector observations_;
-  std::exception_ptr problem_;  ///< behind the scans of observations_
+  std::exception_ptr problem_;  ///< thrown after the scans of observations_
   std::deque<LogRecord> ahead_;
-  std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
+  std::exception_ptr ahead_problem_;  ///< thrown after the records of ahead_
   Listener listener_;
   std::vector<LogReader::Warning> earlier_warnings_;
   LogReader::Warning unused_{std::string(kUnusedNods), 0, ""};
   std::uint64_t read_ = 0;
   std::uint64_t given_ = 0;
   bool skipped_ = false;
-  std::optional<Pose2> T_odom_base_last_;  ///< odometry of the scan before, in the frame of the first log
+  std::optional<Pose2> T_odom_base_last_;  ///< odometry of the previous scan, in the frame of the first log
   std::optional<Pose2> T_first_this_;      ///< from this log's odometry frame to that of the first
 };
 
-/// Warnings of several readers as one list, counted by kind: adds the counts; of a kind that the list has, its own
-/// first example stays.
+/// Merges warnings of several readers into one list by kind: adds the counts. A kind that the list has keeps its
+/// example.
 inline void merge_warnings(std::vector<LogReader::Warning>& list, const std::vector<LogReader::Warning>& more) {
   for (const LogReader::Warning& warning : more) {
     const auto same =
@@ -195,9 +196,9 @@ inline void merge_warnings(std::vector<LogReader::Warning>& list, const std::vec
   }
 }
 
-// A signal may cut an input anywhere: in the middle of a line, or before the topics that were named.
+// A signal may cut an input anywhere: in the middle of a line, or before the named topics.
 
-/// The next of what `source` gives. Where `stop` says so, what a reader complains of is the end.
+/// The next record of `source`. If `stop` returns true, a reader's exception counts as the end.
 template <class Source>
 auto next_unless_stopped(Source& source, const std::function<bool()>& stop) {
   try {

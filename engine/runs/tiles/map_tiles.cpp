@@ -26,7 +26,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::int32_t kPieceTiles = 8;  // along a side, made together
+constexpr std::int32_t kPieceTiles = 8;  // tiles along a side of a piece, made together
 
 std::int32_t floor_to(std::int32_t cell, std::int32_t side) { return (cell >= 0 ? cell : cell - (side - 1)) / side; }
 
@@ -39,7 +39,7 @@ bool touch(const CellBox& a, const CellBox& b) {
   return a.min.x < b.end.x && b.min.x < a.end.x && a.min.y < b.end.y && b.min.y < a.end.y;
 }
 
-// Tiles that the keyframe's beams, or the disc around an obstacle, may reach; some more at times.
+// Tiles that the keyframe's beams, or the disc around an obstacle, may reach; sometimes a few more.
 CellBox tiles_around(const RunKeyframe& keyframe, const MapperConfig& mapper, double free_m) {
   constexpr double kSlack_m = 0.1;
   double range_m = free_m;
@@ -71,7 +71,7 @@ GridGeometry tile_geometry(const CellIndex& place, double resolution_m) {
           .height = kMapTileSide};
 }
 
-// The part of the map that lies in the tile; whether anything is known of it.
+// Reads the part of the map in the tile; returns whether any cell is known.
 bool read_states(const OccupancyMap& map, const CellIndex& first, CellStates& states) {
   const CellIndex corner{static_cast<std::int32_t>(std::lround(map.geometry.origin_x_m / map.geometry.resolution_m)),
                          static_cast<std::int32_t>(std::lround(map.geometry.origin_y_m / map.geometry.resolution_m))};
@@ -89,7 +89,7 @@ bool read_states(const OccupancyMap& map, const CellIndex& first, CellStates& st
   return is_known;
 }
 
-// Marks the cells that lie in the tile.
+// Marks the cells in the tile.
 void mark_states(const std::vector<ChangedCell>& cells, CellState state, const CellIndex& first, CellStates& states) {
   for (const ChangedCell& changed : cells) {
     const CellOffset d = changed.cell - first;
@@ -98,7 +98,7 @@ void mark_states(const std::vector<ChangedCell>& cells, CellState state, const C
   }
 }
 
-// The part of the distance field that lies in the tile; whether anything is known of it.
+// Reads the part of the distance field in the tile; returns whether any cell is known.
 bool read_distances(const GlobalField& field, const CellIndex& first, std::vector<std::uint16_t>& distances) {
   distances.resize(std::size_t{kMapTileSide} * kMapTileSide);
   for (std::int32_t y = 0; y < kMapTileSide; ++y) {
@@ -162,7 +162,7 @@ OccupancyMap TileMaker::cast(std::span<const std::size_t> keyframes, const std::
   return builder.build();
 }
 
-// With what changed between the drives of the site; whether anything was known before that.
+// States of a tile with the changes between the drives of the site; `is_known` is by the states before the changes.
 CellStates TileMaker::states_at(const CellIndex& first, const OccupancyMap& piece, bool& is_known) const {
   CellStates states;
   is_known = read_states(piece, first, states);
@@ -171,13 +171,13 @@ CellStates TileMaker::states_at(const CellIndex& first, const OccupancyMap& piec
   return states;
 }
 
-// Whole scans are merged and cast: what of them lies outside is thrown away.
+// Merges and casts whole scans; cells outside of the piece are dropped.
 void TileMaker::make_piece(const CellBox& tiles, std::span<const CellIndex> places,
                            const std::function<void(MapTile&&)>& take,
                            const std::function<void(std::size_t made)>& before) const {
   const std::vector<std::size_t> touching = keyframes_that_touch(tiles);
   if (touching.empty()) return;
-  const OccupancyMap occupancy = cast(touching, [&] { before(0); });  // which says, too, where there is a tile
+  const OccupancyMap occupancy = cast(touching, [&] { before(0); });  // which also decides where tiles exist
   const std::unique_ptr<SeparateMap> map = map_of_keyframes(*run_, touching, mapper_);
   for (std::size_t k = 0; k < places.size(); ++k) {
     before(k);
@@ -222,8 +222,8 @@ GridGeometry geometry_of_tiles(const CellBox& tiles, double resolution_m) {
           .height = tiles.height() * kMapTileSide};
 }
 
-/// All tiles in one small map: a cell stands for a square of theirs, and is occupied where any of them is, else free
-/// where any is. At most 8192 cells a side.
+/// All tiles in one small map: a cell stands for a square of tile cells. It is occupied if any of them is, else free if
+/// any is. At most 8192 cells a side.
 class TileOverview {
  public:
   TileOverview(std::span<const CellIndex> places, double resolution_m) : tiles_(tile_hull(places)) {
@@ -303,7 +303,7 @@ bool is_tile_folder(const std::string& folder) {
   if (failed || !std::all_of(files.begin(), files.end(), is_tile_file)) return false;
   try {
     return read_json(folder + "/" + kTileIndex, kMostIndexBytes).contains("tile_cells");
-  } catch (const Error&) {  // a folder of somebody else
+  } catch (const Error&) {  // a foreign folder
     return false;
   }
 }

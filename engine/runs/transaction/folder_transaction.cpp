@@ -59,7 +59,7 @@ fs::path without_links(const std::string& path) {
   const fs::path named = fs::absolute(path, failed);
   const fs::path place = failed ? named : fs::weakly_canonical(named, failed);
   if (failed) throw FileError(path, "cannot be written to: " + failed.message());
-  return place.has_filename() ? place : place.parent_path();  // a slash at the end names the same
+  return place.has_filename() ? place : place.parent_path();  // a slash at the end does not matter
 }
 
 bool is_mount_point(const fs::path& folder) {
@@ -83,7 +83,7 @@ void require_exchangeable(const std::string& path, const fs::path& target) {
   if (fs::equivalent(target, fs::current_path(ignored), ignored)) refuse("the working folder");
 }
 
-// A folder of this user, and no link to one.
+// A folder of this user, not a link to one.
 bool is_own_folder(const fs::path& folder) {
   struct stat found {};
   return ::lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) && found.st_uid == ::geteuid();
@@ -113,8 +113,8 @@ FolderTransaction::FolderTransaction(const std::string& path, const BeforeRemova
     throw FileError(path_, fmt::format("cannot be written to: '{}': {}", staging_.string(), failed.message()));
 }
 
-// Another process may exchange or remove the folder between opening and locking it: then it is not the one of that
-// name any more.
+// Another process may exchange or remove the folder between opening and locking it. Then the name is that of another
+// folder.
 void FolderTransaction::lock_staging() {
   do {
     lock_.reset();
@@ -134,11 +134,11 @@ FolderTransaction::~FolderTransaction() {
   without_throwing([this] {
     std::error_code ignored;
     fs::remove_all(staging_, ignored);
-    for (const fs::path& above : made_) fs::remove(above, ignored);  // succeeds only where it is empty
+    for (const fs::path& above : made_) fs::remove(above, ignored);  // succeeds only if it is empty
   });
 }
 
-// On a file system without exchange no folder has the name for the moment between two renamings.
+// On a file system without exchange, the name does not exist between two renamings.
 void FolderTransaction::exchange() const {
   const bool has_old = lies_there(target_);
   if (has_old && ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;
@@ -155,12 +155,12 @@ void FolderTransaction::exchange() const {
 
 void FolderTransaction::commit() {
   sync_folder(staging_.string());
-  std::optional<FolderLock> of_old;  // its name is that of the staging folder until it is gone
+  std::optional<FolderLock> of_old;  // it has the name of the staging folder until it is removed
   if (lies_there(target_)) of_old.emplace(target_, FolderLock::Taken::kRefuse, path_);
   exchange();
   made_.clear();
   sync_folder(target_.parent_path().string());
-  std::error_code ignored;  // without an old folder the name is free, and may be another writer's by now
+  std::error_code ignored;  // without an old folder the name is free, and another writer may have taken it
   if (of_old && of_old->is_on(staging_)) fs::remove_all(staging_, ignored);
   lock_.reset();
 }

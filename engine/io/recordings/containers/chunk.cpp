@@ -16,7 +16,7 @@
 namespace gdtslam {
 namespace {
 
-/// The bytes of a packed chunk, whose faults are those of the recording.
+/// The bytes of a packed chunk; its faults become faults of the recording.
 class PackedChunk final : public ByteSource {
  public:
   PackedChunk(StreamPacking packing, std::unique_ptr<ByteSource> packed)

@@ -1,4 +1,4 @@
-// Bytes of a recording and of its chunks, which are unpacked as they are read. One object belongs to one thread.
+// Bytes of a recording and of its chunks, unpacked while reading. One object belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,8 @@
 
 namespace gdtslam {
 
-/// Bytes of a source with their number: as many as are asked for, or a RecordingCut. Little endian, as all containers
-/// of recordings are.
+/// Counts the bytes of a source, and reads a given number or throws RecordingCut. Little endian, like all containers of
+/// recordings.
 class CountedBytes {
  public:
   explicit CountedBytes(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
@@ -24,7 +24,7 @@ class CountedBytes {
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
   [[nodiscard]] const ByteSource& source() const { return *source_; }
   [[nodiscard]] bool at_end() { return begin_ == end_ && !fill(); }
-  /// Up to so many bytes, 0 at the end only.
+  /// Fills at most the target; 0 only at the end.
   std::size_t read_some(std::span<char> target);
   void read(std::span<char> target);
   template <class Whole>
@@ -33,11 +33,11 @@ class CountedBytes {
     read(bytes);
     return little_endian<Whole>(bytes);
   }
-  /// `count` bytes into `text`, which grows only as they arrive; `limit` is what is refused.
+  /// Reads `count` bytes into `text`, which grows only as they arrive; refuses more than `limit`.
   void read_into(std::string& text, std::uint64_t count, std::size_t limit, const char* what);
   std::string read_text(std::uint64_t count, std::size_t limit, const char* what);
   void skip(std::uint64_t count);
-  /// From here on crc() is known, at the price of a pass over the bytes.
+  /// Starts the checksum for crc(), which costs a pass over the bytes.
   void start_crc();
   /// CRC-32 of the bytes consumed since start_crc().
   [[nodiscard]] std::uint32_t crc();
@@ -49,7 +49,7 @@ class CountedBytes {
     offset_ += count;
   }
 
-  // Small at first, for what is short, and doubled while reads fill it.
+  // Small at first for short inputs, and doubled while reads fill it.
   static constexpr std::size_t kFirstPieceBytes = std::size_t{1} << 12U;
   static constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
   std::unique_ptr<ByteSource> source_;
@@ -58,11 +58,11 @@ class CountedBytes {
   std::size_t end_ = 0;
   std::uint64_t offset_ = 0;
   bool has_crc_ = false;
-  std::uint32_t crc_ = 0;      ///< up to crc_begin_
-  std::size_t crc_begin_ = 0;  ///< in the buffer
+  std::uint32_t crc_ = 0;      ///< checksum up to crc_begin_
+  std::size_t crc_begin_ = 0;  ///< place in the buffer
 };
 
-/// The bytes of a file up to an end within it. Reading throws RecordingCut where the file ends before.
+/// The bytes of a file up to an end within it. Reading throws RecordingCut if the file ends before.
 class ChunkBytes final : public ByteSource {
  public:
   ChunkBytes(CountedBytes& file, std::uint64_t end) : file_(file), end_(end) {}
@@ -75,17 +75,17 @@ class ChunkBytes final : public ByteSource {
   std::uint64_t end_;
 };
 
-/// A message that was packed by itself (rosbag2's compression by message), out of `buffer`; others as they are, because
-/// no message of CDR begins like one of zstd. Throws RecordingFault for one that is damaged or longer than allowed.
+/// Unpacks a message that was packed alone (rosbag2's compression by message) into `buffer`. Others stay as they are,
+/// because no CDR message begins like a zstd stream. Throws RecordingFault for a damaged or too long message.
 std::string_view unpacked_message(std::string_view bytes, std::string& buffer);
 
-/// `compression` as a chunk's header has it: none or nothing, bz2, lz4 (frames) or zstd. Throws RecordingFault for
-/// another one, with `supported` of the container; reading throws RecordingFault where the data are damaged or stop
-/// early. Memory: up to 128 MiB, the largest window of zstd that is accepted, as far as it is filled.
+/// `compression` from a chunk's header: none or empty, bz2, lz4 (frames) or zstd. Throws RecordingFault for another
+/// one, with the container's `supported`; reading throws RecordingFault for damaged or cut data. Memory: as filled, up
+/// to 128 MiB, the largest accepted window of zstd.
 std::unique_ptr<ByteSource> unpacked_chunk(std::unique_ptr<ByteSource> packed, std::string_view compression,
                                            std::string_view supported);
 
-/// A container that is read forwards, so that a pipe will do.
+/// A container that is read forwards, also from a pipe.
 class ForwardRecording : public Recording {
  public:
   explicit ForwardRecording(std::unique_ptr<ByteSource> source) : file_(std::move(source)) {}
@@ -94,7 +94,7 @@ class ForwardRecording : public Recording {
   [[nodiscard]] std::string defect() const override { return file_.source().defect(); }
 
  protected:
-  /// The bytes of a message if its channel is wanted; others are passed over.
+  /// Reads the bytes of a message if its channel is wanted; skips others.
   void take_message(CountedBytes& bytes, std::uint64_t size, const Wanted& wanted, RecordingItem& item) {
     if (!wanted(item.channel)) return bytes.skip(size);
     bytes.read_into(content_, size, kMostMessageBytes, "a message");

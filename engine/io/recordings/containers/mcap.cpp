@@ -25,7 +25,7 @@ constexpr std::uint64_t kDataEndBytes = 4;
 constexpr std::uint64_t kMostChunkBytes = std::uint64_t{1} << 30U;
 constexpr std::size_t kMostChunkHeadText = 64;  // the name of a compression
 
-/// Fields of a record, one after the other.
+/// Reads the fields of a record in order.
 class McapFields {
  public:
   explicit McapFields(std::string_view content) : content_(content) {}
@@ -134,7 +134,7 @@ RecordingItem McapFile::read_message(std::uint64_t size, CountedBytes& bytes, co
   return item;
 }
 
-// All data before the record that ends them.
+// Checks the CRC over all data before the record that ends them.
 void McapFile::end_data(std::uint32_t crc) {
   const auto stated = file_.read_whole<std::uint32_t>();
   is_over_ = true;

@@ -1,6 +1,6 @@
-// The records of an MCAP file one after the other, those within chunks among them (none, lz4, zstd), without going
-// back: a pipe will do, and so will a file that was cut off. What stands behind the data (summary, index) is not
-// needed. CRCs are checked where the file gives them. One file belongs to one thread. Format: mcap.dev/spec.
+// Reads the records of an MCAP file in order, including those in chunks (none, lz4, zstd), without going back: also
+// from a pipe, or from a cut file. The summary and index after the data are not needed. CRCs are checked if the file
+// has them. One file belongs to one thread. Format: mcap.dev/spec.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ inline constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 
 class McapFile final : public ForwardRecording {
  public:
-  /// The source is before the first byte of the file. Throws RecordingFault where it is no MCAP file of version 0.
+  /// `source` is at the first byte of the file. Throws RecordingFault if it is no MCAP file of version 0.
   explicit McapFile(std::unique_ptr<ByteSource> source);
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;

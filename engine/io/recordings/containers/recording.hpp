@@ -1,5 +1,5 @@
-// The interface of the containers of recorded messages: channels and messages one after the other, in the order of the
-// file, and without going back if the format allows it. One recording belongs to one thread.
+// The interface of the containers of recorded messages: channels and messages in the order of the file, without going
+// back if the format allows it. One recording belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace gdtslam {
 inline constexpr std::size_t kMostMessageBytes = std::size_t{16} << 20U;
 /// The longest header of a record, and the longest name of a topic or a type.
 inline constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
-/// So many channels are known at a time.
+/// Limit on the channels known at a time.
 inline constexpr std::size_t kMostChannels = 65536;
 
 /// A fault of a recording, without its name and the place.
@@ -30,7 +30,7 @@ class RecordingCut : public RecordingFault {
   using RecordingFault::RecordingFault;
 };
 
-/// How the fields of a message lie in its bytes.
+/// The serialisation of a message.
 enum class MessageEncoding : std::uint8_t { kOther, kRos1, kCdr };
 
 /// Type and encoding of the messages of a topic. A topic may have several channels.
@@ -46,13 +46,13 @@ struct RecordingChannel {
 struct RecordingItem {
   std::uint32_t channel = 0;
   std::optional<RecordingChannel> definition{};  ///< set for a channel; a message has none
-  double received_s = 0.0;                       ///< for a message: when it was recorded, seconds since 1970
+  double received_s = 0.0;                       ///< for a message: time of recording, seconds since 1970
   std::string_view bytes{};                      ///< for a wanted message; valid until the next call
 };
 
 class Recording {
  public:
-  /// Whether the bytes of a channel's messages are wanted; those of others are passed over.
+  /// True if the bytes of a channel's messages are wanted; others are skipped.
   using Wanted = std::function<bool(std::uint32_t channel)>;
   using Warn = std::function<void(std::string_view kind, const std::string& detail)>;
 
@@ -60,8 +60,8 @@ class Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
   virtual ~Recording() = default;
-  /// The next channel or message; nothing at the end. Throws RecordingCut, or RecordingFault for what is damaged:
-  /// nothing can be read after that.
+  /// The next channel or message; none at the end. Throws RecordingCut, or RecordingFault for damage; then nothing more
+  /// can be read.
   virtual std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) = 0;
   /// The current place of the reading, for messages: "before byte 120".
   [[nodiscard]] virtual std::string place() const = 0;

@@ -13,7 +13,7 @@ constexpr std::uint8_t kChunkOp = 0x05;
 constexpr std::uint8_t kConnectionOp = 0x07;
 constexpr std::uint64_t kIndexEntryBytes = 12;
 
-// Some writers state a length that is wrong; the number of entries is right in all bags that were seen.
+// Some writers state a wrong length; the number of entries is right in all known bags.
 void skip_index(const BagFields& fields, std::uint32_t size, CountedBytes& bytes, const Recording::Warn& warn) {
   const std::uint64_t counted = kIndexEntryBytes * fields.u32("count");
   if (counted != size) {
@@ -120,7 +120,7 @@ std::optional<RecordingItem> Ros1Bag::next(const Wanted& wanted, const Warn& war
     } else if (op == kMessageOp) {
       return read_message(fields, size, bytes, wanted);
     } else {
-      bytes.skip(size);  // the bag's header, chunk information, and what later versions may add
+      bytes.skip(size);  // the bag's header, chunk information, and records of later versions
     }
   }
 }

@@ -1,6 +1,5 @@
-// The records of a ROS 1 bag (format 2.0) one after the other, those within chunks among them, without going back: a
-// pipe will do, and so will a bag without index. Chunks are unpacked as they are read (none, bz2, lz4). One bag belongs
-// to one thread.
+// Reads the records of a ROS 1 bag (format 2.0) in order, including those in chunks, without going back: also from a
+// pipe, or from a bag without index. Chunks are unpacked while reading (none, bz2, lz4). One bag belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +21,10 @@ inline constexpr std::string_view kBagMagic = "#ROSBAG V2.0\n";
 /// Fields of a header, "name=value", in the order of the file; they point into the text.
 class BagFields {
  public:
-  /// Throws RecordingFault for what are no fields.
+  /// Throws RecordingFault for text without valid fields.
   explicit BagFields(std::string_view text);
   [[nodiscard]] std::optional<std::string_view> find(std::string_view name) const;
-  /// Throws RecordingFault where it is missing or of another size.
+  /// Throws RecordingFault if the field is missing or has another size.
   [[nodiscard]] std::uint32_t u32(std::string_view name) const;
   [[nodiscard]] std::uint8_t u8(std::string_view name) const;
 
@@ -35,7 +34,7 @@ class BagFields {
 
 class Ros1Bag final : public ForwardRecording {
  public:
-  /// The source is before the first line of the bag. Throws RecordingFault where it is no bag.
+  /// `source` is at the first line of the bag. Throws RecordingFault if it is no bag.
   explicit Ros1Bag(std::unique_ptr<ByteSource> source);
 
   std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;

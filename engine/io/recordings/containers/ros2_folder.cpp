@@ -59,7 +59,7 @@ std::vector<std::string> names_in(const std::string& folder) {
   return names;
 }
 
-/// Names as metadata.yaml has them; nothing where it is not there or has none.
+/// The names of files in metadata.yaml; empty without that file or names.
 std::vector<std::string> names_in_metadata(const std::string& file) {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -114,7 +114,7 @@ class SpooledFile {
   int descriptor_ = -1;
 };
 
-/// The order of channels that differ in anything.
+/// Orders channels by all their members.
 struct ChannelOrder {
   bool operator()(const RecordingChannel& a, const RecordingChannel& b) const {
     const auto fields = [](const RecordingChannel& channel) {
@@ -124,12 +124,13 @@ struct ChannelOrder {
   }
 };
 
-// The files of a folder in their order.
+// The files of a folder in recording order.
 std::vector<std::string> list_bag_files(const std::string& folder, const Recording::Warn& warn) {
   const std::vector<std::string> names = names_in(folder);
   std::vector<std::string> files;
   for (const std::string& stated : names_in_metadata((fs::path(folder) / "metadata.yaml").string())) {
-    const std::string name = fs::path(stated).filename().string();  // early versions put the bag's name before it
+    const std::string name =
+        fs::path(stated).filename().string();  // early versions put the bag's name before the file's
     if (std::find(names.begin(), names.end(), name) == names.end()) {
       warn("missing file of the bag", fmt::format("metadata.yaml names {}", in_quotes(stated)));
     } else if (std::find(files.begin(), files.end(), name) == files.end()) {
@@ -152,8 +153,8 @@ std::vector<std::string> list_bag_files(const std::string& folder, const Recordi
   return files;
 }
 
-/// Several files one after the other. Each has its own numbers; channels that are the same in all have one number here,
-/// so that a bag may have files without end.
+/// Several files in sequence. Each has its own numbers of channels; equal channels get one number here, so that the
+/// number of files is unlimited.
 class FileSequence final : public Recording {
  public:
   explicit FileSequence(std::string folder) : folder_(std::move(folder)) {}
@@ -222,7 +223,7 @@ class FileSequence final : public Recording {
   bool has_files_ = false;
   std::size_t next_file_ = 0;
   std::unique_ptr<Recording> file_;
-  std::map<std::uint32_t, std::uint32_t> numbers_;                 ///< by the file's channels
+  std::map<std::uint32_t, std::uint32_t> numbers_;                 ///< numbers here by those of the current file
   std::map<RecordingChannel, std::uint32_t, ChannelOrder> known_;  ///< numbers over all files
 };
 

@@ -22,7 +22,7 @@ constexpr int kStepsBetweenQuestions = 1000;
 constexpr int kMostQuestions = 1000;
 constexpr std::string_view kRecoverHint = "'sqlite3 FILE .recover' saves what there is";
 
-/// SQLite takes names as URIs: what means something there is written as its number.
+/// SQLite takes names as URIs, so characters with a meaning in URIs are escaped.
 std::string sqlite_uri(const std::string& path, std::string_view parameters) {
   std::string uri = "file:";
   for (const char letter : std::filesystem::absolute(path).string()) {
@@ -42,7 +42,7 @@ std::string column_text(sqlite3_stmt* statement, int column) {
   return {text, std::min(static_cast<std::size_t>(size), kMostHeaderBytes)};
 }
 
-// True for a fault of the disk or the system, whatever the file holds.
+// True for a fault of the disk or the system, not of the file's content.
 bool is_disk_fault(sqlite3* database) {
   const int kind = sqlite3_errcode(database) & 0xff;
   return kind == SQLITE_CANTOPEN ||
@@ -59,7 +59,7 @@ MessageEncoding sqlite_encoding(std::string_view name) {
   return name == "ros1" ? MessageEncoding::kRos1 : MessageEncoding::kOther;
 }
 
-// Our statements read these tables and call no function. What a database computes would call one.
+// Our statements read only these tables and call no function. Computed columns of a database would call one.
 int allow_reading_alone(void* /*unused*/, int action, const char* table, const char* /*column*/,
                         const char* /*database*/, const char* /*trigger*/) {
   constexpr std::array<std::string_view, 3> kTables{"sqlite_master", "topics", "messages"};
@@ -96,7 +96,7 @@ SqliteBag::SqliteBag(const std::string& path) : path_(path) {
   start(size);
 }
 
-// Rows of a bag are never interrupted: who reads it ends between two of them.
+// A request to end does not interrupt a short row: the reader ends between two rows.
 int SqliteBag::ask_to_end(void* bag) {
   const int asked = ++static_cast<SqliteBag*>(bag)->asked_;
   return asked > kMostQuestions || (asked > 1 && is_asked_to_end()) ? 1 : 0;
@@ -113,13 +113,13 @@ void SqliteBag::start(std::uint64_t size) {
   try {
     Statement last = prepare("SELECT id FROM messages ORDER BY id DESC LIMIT 1");
     if (step(last)) last_row_ = sqlite3_column_double(last.get(), 0);
-  } catch (const RecordingFault&) {  // its last page is damaged: the progress is not known
+  } catch (const RecordingFault&) {  // its last page is damaged, so the progress is unknown
   }
   messages_ = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY id");
   bytes_ = prepare("SELECT data FROM messages WHERE id = ?");
 }
 
-// SQLite fills a page that is cut with zeros, and would take them for messages.
+// SQLite fills a cut page with zeros, and would read them as messages.
 void SqliteBag::require_whole_pages(std::uint64_t size) {
   Statement page = prepare("PRAGMA page_size");
   const auto bytes = step(page) ? static_cast<std::uint64_t>(sqlite3_column_int64(page.get(), 0)) : 0;
@@ -128,7 +128,7 @@ void SqliteBag::require_whole_pages(std::uint64_t size) {
   }
 }
 
-// A view has rows without end, and a column may be computed by whatever its author wrote.
+// A view may have endless rows, and a computed column may run any expression of its author.
 void SqliteBag::require_plain_table(const std::string& name) {
   constexpr const char* kNoBag = "is an SQLite file without the tables 'topics' and 'messages' of a ROS 2 bag";
   Statement table = prepare("SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = ?");
@@ -146,7 +146,7 @@ void SqliteBag::require_plain_table(const std::string& name) {
   if (!has_key) throw RecordingFault(kNoBag);
 }
 
-// SQLite calls a page that the disk does not give malformed, as one that is.
+// SQLite reports a page that the disk cannot read as malformed, so errno distinguishes the two.
 int SqliteBag::disk_errno() const {
   int reason = 0;
   if (database_) (void)sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_LAST_ERRNO, &reason);
@@ -186,7 +186,7 @@ bool SqliteBag::step(Statement& statement) {
   return false;
 }
 
-// Later versions have more columns; these four have been there from the first.
+// Later versions have more columns; all versions have these four.
 void SqliteBag::read_topics() {
   Statement topics = prepare("SELECT id, name, type, serialization_format FROM topics ORDER BY id DESC");
   while (step(topics) && channels_.size() < kMostChannels) {
@@ -200,7 +200,7 @@ void SqliteBag::read_topics() {
   }
 }
 
-// Only what is wanted leaves the file: the pages of a camera's pictures are passed over.
+// Reads only wanted messages: pages with a camera's pictures are skipped.
 std::string_view SqliteBag::message_bytes() {
   sqlite3_reset(bytes_.get());
   sqlite3_bind_int64(bytes_.get(), 1, row_);

@@ -1,7 +1,7 @@
-// A ROS 2 bag in one SQLite file (rosbag2's schema versions 1 to 4; also without the table that says which), row after
-// row in the order of writing. Only that file is opened, for reading, and its folder is left as it is. A database is a
-// program of a stranger: only plain tables are read, and each row ends after a bounded number of steps or when the
-// process is asked to end. One bag belongs to one thread.
+// Reads a ROS 2 bag in one SQLite file (rosbag2's schema versions 1 to 4, also without the version's table), row by row
+// in the order of writing. Only that file is opened, for reading; its folder is not changed. A stranger's database can
+// contain code, so only plain tables are read, and each row ends after a bounded number of steps or when the process is
+// asked to end. One bag belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ inline constexpr std::string_view kSqliteMagic = "SQLite format 3";
 
 class SqliteBag final : public Recording {
  public:
-  /// The name is not needed once the bag is open. Throws RecordingFault for what is no bag or cannot be opened.
+  /// The file may be renamed once the bag is open. Throws RecordingFault if it is no bag or cannot be opened.
   explicit SqliteBag(const std::string& path);
   ~SqliteBag() override;
 
@@ -39,15 +39,15 @@ class SqliteBag final : public Recording {
   };
   using Statement = std::unique_ptr<sqlite3_stmt, FinishStatement>;
 
-  /// `size` is that of the database in bytes.
+  /// `size` of the database in bytes.
   void start(std::uint64_t size);
   void require_whole_pages(std::uint64_t size);
   void require_plain_table(const std::string& name);
   Statement prepare(const char* sql);
   bool step(Statement& statement);
-  /// errno of the reading of the file that failed; 0 where none did.
+  /// errno of a failed read of the file; 0 if none failed.
   [[nodiscard]] int disk_errno() const;
-  /// Throws what the code of SQLite means; FileError where the disk failed.
+  /// Throws the error for SQLite's code; FileError if the disk failed.
   [[noreturn]] void fail(int code) const;
   void read_topics();
   std::string_view message_bytes();
@@ -56,11 +56,11 @@ class SqliteBag final : public Recording {
   std::string path_;
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   Statement messages_;
-  Statement bytes_;                      ///< holds those of the message that was given last
-  std::vector<RecordingItem> channels_;  ///< not given yet, the last one first
+  Statement bytes_;                      ///< holds the bytes of the last message given
+  std::vector<RecordingItem> channels_;  ///< not yet given, in reverse order
   std::int64_t row_ = 0;
   double last_row_ = 0.0;
-  int asked_ = 0;  ///< times since a call of SQLite began
+  int asked_ = 0;  ///< number of calls since a call of SQLite began
 };
 
 }  // namespace gdtslam

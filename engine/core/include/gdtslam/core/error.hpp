@@ -67,7 +67,7 @@ class FileError : public Error {
       : Error(ExitCode::kInputOutput, located({file, 0}, message)) {}
 };
 
-/// A device, display or helper program that was asked for and is not there (exit 69).
+/// A requested device, display or helper program is missing (exit 69).
 class UnavailableError : public Error {
  public:
   explicit UnavailableError(const std::string& message) : Error(ExitCode::kUnavailable, message) {}
@@ -77,7 +77,7 @@ class UnavailableError : public Error {
 /// used any more. Data on the host is intact, so the work can continue elsewhere.
 class DeviceError : public Error {
  public:
-  /// The call as the interface names it and the code that it gave, for example "vkQueueSubmit", "ErrorDeviceLost".
+  /// The name of the call and the code that it returned, for example "vkQueueSubmit", "ErrorDeviceLost".
   DeviceError(const std::string& device, const std::string& call, const std::string& result)
       : Error(ExitCode::kFailed, device + ": " + call + " gave " + result), call_(call), result_(result) {}
   [[nodiscard]] const std::string& call() const noexcept { return call_; }

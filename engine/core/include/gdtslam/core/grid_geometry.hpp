@@ -1,6 +1,6 @@
 // Geometry of a grid of cells. Frame: map; x right, y up; cell (0, 0) is the lower left one and its centre is the
-// origin plus half a cell. An index and a displacement are two types, so that one cannot stand for the other.
-// Thread-safe, constant time.
+// origin plus half a cell. An index and a displacement are two types, so that they cannot be mixed up. Thread-safe,
+// constant time.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The maps as grids: which cells are occupied, and how far each cell is from an obstacle. Frame: map; row-major, the
-// lower left cell first. Thread-safe where constant.
+// The maps as grids: states of cells, and the distance of each cell from an obstacle. Frame: map; row-major, the lower
+// left cell first. Constant objects are thread-safe.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ namespace gdtslam {
 
 enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
 
-/// States of a map's cells, one after the other: two bits each, and none for stretches of 512 unknown cells. One object
-/// belongs to one thread, constant ones to all.
+/// States of a map's cells in order: two bits each, and no memory for blocks of 512 unknown cells. One object belongs
+/// to one thread; constant objects are thread-safe.
 class CellStates {
  public:
   CellStates() = default;
@@ -41,7 +41,7 @@ class CellStates {
     const std::size_t shift = 2 * (cell % kInWord);
     word = (word & ~(std::uint64_t{3} << shift)) | static_cast<std::uint64_t>(state) << shift;
   }
-  /// The states from a cell on.
+  /// Reads the states from cell `first` on.
   void read(std::size_t first, std::span<CellState> states) const;
   [[nodiscard]] std::vector<CellState> all() const;
   friend bool operator==(const CellStates& a, const CellStates& b) { return a.all() == b.all(); }
@@ -55,7 +55,7 @@ class CellStates {
   }
 
   std::size_t size_ = 0;
-  std::vector<std::uint32_t> blocks_;  // 0, or one more than its place in the pool
+  std::vector<std::uint32_t> blocks_;  // 0, or the index in the pool plus one
   std::deque<Block> pool_;
 };
 
@@ -83,10 +83,10 @@ struct DistanceFieldView {
     return cells[static_cast<std::size_t>(cell.y) * stride + static_cast<std::size_t>(cell.x)];
   }
 };
-/// Cells within this distance of an obstacle, in 1/256 cell, are drawn as wall in pictures of a field.
+/// Pictures of a field draw cells within this distance of an obstacle, in 1/256 cell, as wall.
 inline constexpr std::uint16_t kWallOfField = 128;
 
-/// A distance field that is read row by row, so that one that is not stored in rows need not be copied.
+/// A distance field that is read row by row, so that a field stored in another order need not be copied.
 struct DistanceFieldRows {
   GridGeometry geometry;
   std::uint16_t cap = 0;

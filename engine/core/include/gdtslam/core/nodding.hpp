@@ -1,5 +1,5 @@
-// A laser that nods: how its beams lie in space for an elevation of the scan plane, equation (12) of the paper with an
-// optional lever arm and misalignment, and the table that turns a crank's phase into the elevation.
+// A nodding laser: its beams in space for an elevation of the scan plane, equation (12) of the paper with an optional
+// lever arm and misalignment, and the table from a crank's phase to the elevation.
 //
 // Frames: `laser` is the sensor's own (x forward, y left, z up; the paper's x right and y forward turned by 90 deg);
 // `level` is the laser frame at elevation zero. The nodding axis is parallel to level's y and lies `lever` behind and
@@ -17,7 +17,7 @@
 
 namespace gdtslam {
 
-/// How the sensor sits on the nodding axis, and how high.
+/// Mount of the sensor on the nodding axis, and its height.
 struct NoddingMount {
   double height_m = 0.3;         ///< height of the sensor's centre over the floor at elevation zero
   double lever_forward_m = 0.0;  ///< from the axis to the sensor's centre, in the nodding frame; zero in the paper
@@ -41,13 +41,12 @@ class LevelTurn {
 /// T_base_laser for the sensor's place at elevation zero (the pose that a 2D log gives), at the mount's height.
 Pose3 T_base_laser(const NoddingMount& mount, const Pose2& T_base_level, double elevation_rad);
 
-/// A phase counts turns of the crank in 2^-32; it wraps as the crank does.
+/// A phase is in 2^-32 turns of the crank; it wraps with the crank.
 using Phase = std::uint32_t;
 Phase phase_of_turns(double turns);
 double turns_of_phase(Phase phase);
 
-/// Position of the crank at a time, `offset_s` after the scan's stamp. Between two knots the crank turns evenly, the
-/// short way.
+/// Position of the crank at `offset_s` after the scan's stamp. Between two knots the crank turns evenly, the short way.
 struct PhaseKnot {
   double offset_s = 0.0;
   Phase phase = 0;
@@ -70,21 +69,21 @@ class ElevationTable {
   std::uint32_t bits_ = 0;
   std::vector<double> values_rad_;
 };
-/// The phase that ElevationTable::identity() turns back into this elevation, -pi to pi.
+/// The phase for which ElevationTable::identity() gives this elevation, -pi to pi.
 Phase phase_of_elevation(double elevation_rad);
 
-/// When the beams of a scan fire: beam k at stamp + first_s + k * step_s.
+/// Times of the beams of a scan: beam k at stamp + first_s + k * step_s.
 struct BeamTiming {
   double first_s = 0.0;
   double step_s = 0.0;
   [[nodiscard]] double of_beam_s(std::size_t beam) const { return first_s + static_cast<double>(beam) * step_s; }
 };
-/// The timing that the scan itself states; nothing if it states none.
+/// The timing stated by the scan itself; none if it states none.
 inline std::optional<BeamTiming> stated_timing(const LaserScan& scan) {
   if (scan.first_beam_after_s == 0.0 && scan.beam_period_s == 0.0) return std::nullopt;
   return BeamTiming{scan.first_beam_after_s, scan.beam_period_s};
 }
-/// The same scan with its beams in the order in which they were measured.
+/// Sorts the beams of the scan in the order of measurement.
 inline void order_beams_by_time(LaserScan& scan) {
   if (scan.beam_period_s < 0.0) turn_beams_round(scan);
 }

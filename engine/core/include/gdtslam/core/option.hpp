@@ -26,7 +26,7 @@ class Choice {
 
   [[nodiscard]] std::span<const std::string_view> names() const { return names_; }
   [[nodiscard]] std::string_view get() const { return names_[get_(value_)]; }
-  /// False when there is no such name.
+  /// False if there is no such name.
   bool set(std::string_view name) const;
 
  private:

@@ -37,11 +37,11 @@ Eigen::Vector3d log_se2(const Pose2& T);
 /// Adjoint: T * exp(v) = exp(Ad_T v) * T.
 Eigen::Matrix3d adjoint(const Pose2& T);
 
-/// Standard deviation in the direction in which it is largest, from the variances and the covariance of x and y.
+/// Largest standard deviation in any direction, from the variances and the covariance of x and y.
 double position_sigma(double xx, double xy, double yy);
 
-/// How sure a pose is within a map: covariance of (x, y, theta) along the map's axes. Within a map as a whole, once the
-/// rigid motion of all of it is taken out.
+/// Uncertainty of a pose within a map: covariance of (x, y, theta) along the map's axes, without the rigid motion of
+/// the map as a whole.
 struct PoseCovariance {
   double xx = 0.0;  ///< m^2
   double xy = 0.0;
@@ -49,7 +49,7 @@ struct PoseCovariance {
   double yy = 0.0;
   double yt = 0.0;
   double tt = 0.0;  ///< rad^2
-  /// Standard deviation in the direction in which the position is least sure.
+  /// Standard deviation of the position in its most uncertain direction.
   [[nodiscard]] double sigma_m() const { return position_sigma(xx, xy, yy); }
 };
 
@@ -64,7 +64,7 @@ struct DifferentialDrive {
 Pose2 wheel_displacement(const DifferentialDrive& drive, double left_m, double right_m);
 
 /// Equation (5) as printed: the left wheel as seen from the turning centre (x right, y forward, theta in radians).
-/// 0/0 for a left wheel at rest, unbounded when straight; kept to be compared with.
+/// 0/0 for a left wheel at rest, unbounded for straight motion; kept for comparison.
 Pose2 wheel_displacement_literal(const DifferentialDrive& drive, double left_m, double right_m);
 
 }  // namespace gdtslam

@@ -40,7 +40,7 @@ Pose3 between(const Pose3& T_w_a, const Pose3& T_w_b);
 
 /// exp: tangent to motion along a screw.
 Pose3 exp_se3(const Tangent3& tangent);
-/// log: inverse of exp_se3 for rotations by less than pi; of the two rotation vectors at pi, one.
+/// log: inverse of exp_se3 for rotations by less than pi; at pi, one of the two rotation vectors.
 Tangent3 log_se3(const Pose3& T);
 /// Adjoint: T * exp(v) = exp(Ad_T v) * T.
 Matrix6 adjoint(const Pose3& T);

@@ -1,5 +1,5 @@
-// The records of a log, whatever file it came from. Times are seconds since the epoch of the log, in the log's own
-// clock; the order of the records is the truth, not their stamps.
+// The records of a log of any format. Times are seconds since the epoch of the log, in the log's own clock. The order
+// of the records counts, not their stamps.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-/// A limit as ranges meet it that are kept as float32: 5.6 m is 5.5999999 m there, and at the limit nevertheless.
+/// A limit for comparison with ranges in float32: there 5.6 m is 5.5999999 m, which still counts as at the limit.
 inline double limit_of_floats_m(double limit_m) {
   return std::min(limit_m, static_cast<double>(static_cast<float>(limit_m)));
 }
@@ -25,15 +25,16 @@ struct LaserScan {
   double stamp_s = 0.0;
   double first_bearing_rad = 0.0;
   double bearing_step_rad = 0.0;
-  double max_range_m = 0.0;  ///< at or above it a range means no return; 0 when the log does not say
-  /// Beam k was measured at stamp_s + first_beam_after_s + k * beam_period_s. All at stamp_s when the log does not say.
+  double max_range_m = 0.0;  ///< a range at or above it means no return; 0 if the log states none
+  /// Beam k was measured at stamp_s + first_beam_after_s + k * beam_period_s. All at stamp_s if the log does not state
+  /// times.
   double first_beam_after_s = 0.0;
   double beam_period_s = 0.0;  ///< negative if the last beam was measured first
-  /// How the robot moved meanwhile: tangent (x, y, theta) a second in its own frame. Unknown: as if it stood.
+  /// The robot's motion during the scan: tangent (x, y, theta) a second in its own frame. None: treated as standing.
   std::optional<Eigen::Vector3d> speed{};
   std::vector<float> ranges_m;
   Pose2 T_base_laser;
-  /// Whether the sensor says by a range that nothing came back.
+  /// True if the sensor reports by this range that there was no return.
   [[nodiscard]] bool is_at_limit(double range_m) const {
     return max_range_m > 0.0 && range_m >= limit_of_floats_m(max_range_m);
   }
@@ -56,11 +57,11 @@ struct Odometry {
   Pose2 T_odom_base;
 };
 
-/// A scan with the odometry that its line carries, if any.
+/// A scan with the odometry in its line, if any.
 struct ScanRecord {
   LaserScan scan;
   std::optional<Pose2> T_odom_base;
-  std::size_t laser = 0;  ///< which of several lasers on the robot, in the order of their first scans
+  std::size_t laser = 0;  ///< number of the laser on the robot, in the order of their first scans
 };
 
 /// Position of the crank.
@@ -83,7 +84,7 @@ struct Parameter {
 
 using LogRecord = std::variant<ScanRecord, Odometry, Encoder, Tilt, Parameter>;
 
-/// A pose with its time; the robot's, in the map.
+/// The robot's pose in the map, with its time.
 struct StampedPose {
   double stamp_s = 0.0;
   Pose2 T_map_base;
@@ -92,8 +93,8 @@ struct StampedPose {
 /// Poses in log order.
 using Trajectory = std::vector<StampedPose>;
 
-/// Length of the path from pose to pose, metres, without the gaps between drives: `drives` has the indices of the poses
-/// at which a further drive begins, ascending.
+/// Length of the path from pose to pose, metres, without the gaps between drives: `drives` has the indices of the first
+/// poses of further drives, ascending.
 double path_length_m(const Trajectory& trajectory, std::span<const std::size_t> drives = {});
 
 /// The verified pose of the robot at time t2 in its frame at time t1.
@@ -103,14 +104,14 @@ struct Relation {
   Pose2 T_1_2;
 };
 
-/// The source of a log: one record after the other, memory independent of the log's length.
+/// The source of a log's records in order; memory is independent of the log's length.
 class LogReader {
  public:
   LogReader() = default;
   LogReader(const LogReader&) = delete;
   LogReader& operator=(const LogReader&) = delete;
   virtual ~LogReader() = default;
-  /// The next record, or nothing at the end. Throws InputError or FileError.
+  /// The next record; none at the end. Throws InputError or FileError.
   virtual std::optional<LogRecord> next() = 0;
   /// Share of the input read so far, 0 to 1, for progress; negative when unknown.
   [[nodiscard]] virtual double progress() const = 0;

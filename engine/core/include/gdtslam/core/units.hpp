@@ -15,10 +15,9 @@ enum class Unit { kNone, kMetre, kRadian, kSecond, kCell, kShare };
 /// The symbol of the base unit: "m", "rad", "s", "cells"; empty for a pure number and a share.
 std::string_view unit_symbol(Unit unit);
 
-/// The finite value that the text names, in the base unit: the double nearest to the decimal number (for degrees,
-/// minutes and hours within 1 ulp). Blanks around the parts are allowed. Nothing, and the reason in *why (may be null),
-/// when the text is no number, its unit is unknown or measures something else, or the value is beyond the range of
-/// double.
+/// The finite value of the text in the base unit: the double nearest to the decimal number (for degrees, minutes and
+/// hours within 1 ulp). Allows blanks around the parts. Returns none, with the reason in *why (may be null), if the
+/// text is no number, its unit is unknown or of another kind, or the value is beyond the range of double.
 std::optional<double> parse_quantity(std::string_view text, Unit unit, std::string* why);
 
 /// The shortest text that parse_quantity reads back as the same bits, with the base unit's symbol: "0.05 m"; angles in
@@ -29,7 +28,7 @@ std::string format_quantity(double value, Unit unit);
 /// because the unit of a typed 90 or 5 is ambiguous. Counts, cells and shares have one unit and stay numbers.
 std::optional<double> parse_stated_quantity(std::string_view text, Unit unit, std::string* why);
 
-/// Text for people, which nothing reads back: an angle in degrees to six digits; else as format_quantity(), but never
+/// Text for people, not for reading back: an angle in degrees to six digits; else like format_quantity(), but never
 /// "1e+05".
 std::string show_quantity(double value, Unit unit);
 

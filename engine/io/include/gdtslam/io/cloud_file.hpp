@@ -1,8 +1,8 @@
-// Clouds as PLY [Turk1994] and PCD, written in binary and read in binary or ASCII, piece by piece: memory does not
-// depend on the number of points, save for PCD's binary_compressed, which lies in memory as a whole while it is read.
-// Every file is written to a temporary name, synced and renamed. Columns: x y z (float, metres), elevation (float,
-// radians), time (double, seconds), scan (uint); a reader takes files that have x y z only, columns in any order, of
-// any numeric type, and skips unknown columns. Cost: one pass. One object belongs to one thread.
+// Clouds as PLY [Turk1994] and PCD, written in binary and read in binary or ASCII, piece by piece. Memory does not
+// depend on the number of points, except for reading PCD's binary_compressed, which is in memory as a whole. Every file
+// is written to a temporary name, synced and renamed. Columns: x y z (float, metres), elevation (float, radians), time
+// (double, seconds), scan (uint). A reader needs only x y z, accepts columns in any order and numeric type, and skips
+// unknown columns. Cost: one pass. One object belongs to one thread.
 #pragma once
 
 #include <array>
@@ -25,14 +25,14 @@ CloudFormat find_cloud_format(const std::string& path);
 class CloudWriter : public CloudSink {
  public:
   /// Throws FileError, as add() and finish() do, also for a pipe or terminal: the count in the header is written last.
-  /// Without finish() nothing is left behind.
+  /// Without finish() no file remains.
   CloudWriter(const std::string& path, CloudFormat format);
   ~CloudWriter() override;
   void add(std::span<const CloudPoint> points) override;
   /// Writes the count into the header, syncs, renames.
   void finish();
   [[nodiscard]] std::uint64_t points() const;
-  /// SHA-256 of the points as they are written in binary PLY, whatever the format; known after finish().
+  /// SHA-256 of the points in binary PLY, for any format; known after finish().
   [[nodiscard]] std::string points_sha256() const;
 
  private:
@@ -54,7 +54,7 @@ class CloudReader {
   /// Opens a PLY or PCD file, plain or in gzip; the first line decides which. Throws InputError (file, line or point,
   /// and the fault) or FileError, as next() does.
   explicit CloudReader(const std::string& path);
-  /// The same of bytes in memory, which must outlive the reader; `name` stands in messages.
+  /// Reads bytes in memory, which must outlive the reader; `name` is for messages.
   CloudReader(std::span<const std::byte> data, const std::string& name);
   ~CloudReader();
   [[nodiscard]] const CloudHeader& header() const;
@@ -75,8 +75,8 @@ class CloudReader {
   std::unique_ptr<State> state_;
 };
 
-/// The whole cloud; how many points were skipped as not finite goes to *skipped (may be null). With `origin_m` the
-/// cloud is relative (CloudReader::make_relative). Throws InputError, with advice, if there are more than max_points.
+/// The whole cloud; *skipped (may be null) gets the number of points that are not finite. With `origin_m` the cloud is
+/// relative (CloudReader::make_relative). Throws InputError, with advice, if there are more than max_points.
 Cloud read_cloud(const std::string& path, std::uint64_t max_points = 200'000'000, std::uint64_t* skipped = nullptr,
                  std::array<double, 3>* origin_m = nullptr);
 

@@ -1,5 +1,5 @@
 // Opens a log of any supported kind. The kind is recognised by content, not by name. Memory is bounded by the longest
-// line (4 MiB) or message (16 MiB) allowed, whatever the log's length. One reader belongs to one thread.
+// line (4 MiB) or message (16 MiB) allowed, for any length of the log. One reader belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@
 
 namespace gdtslam {
 
-/// The formats that open_log() reads, as they stand before "log" or "logs" in help and messages.
+/// The formats that open_log() reads, for help and messages before "log" or "logs".
 inline constexpr std::string_view kLogFormats = "CARMEN, CSV, JSON lines, ROS bag or MCAP";
 
 /// A laser's place on the robot, by the topic of its scans.
@@ -28,15 +28,15 @@ struct TopicMount {
   Pose2 T_base_laser;
 };
 
-/// Which topics of a recording (bag, MCAP) are read.
+/// Choice of topics of a recording (bag, MCAP).
 struct TopicChoice {
-  std::vector<std::string> scans{};  ///< the only one that has any when empty; "all" are all of them
-  std::string odometry{};            ///< a topic or tf[:FRAME[:BASE]]; the first one, then transforms, when empty
-  std::string crank{};               ///< topic of a nodding mount's crank, "TOPIC" or "TOPIC:JOINT"; none when empty
-  std::vector<TopicMount> mounts{};  ///< the frames of the recording give the others
+  std::vector<std::string> scans{};  ///< topics of scans; "all": all; empty: the only one
+  std::string odometry{};            ///< a topic or tf[:FRAME[:BASE]]; empty: the first one, else transforms
+  std::string crank{};               ///< topic of a nodding mount's crank, "TOPIC" or "TOPIC:JOINT"; empty: none
+  std::vector<TopicMount> mounts{};  ///< other mounts are from the recording's frames
 };
 
-/// At the end of a recording: a topic that was named is not in it. All that is there was given before.
+/// Thrown at the end of a recording, after all its records, if it lacks a named topic.
 class MissingTopic : public UsageError {
  public:
   using UsageError::UsageError;
@@ -48,29 +48,28 @@ enum class CrankKind : std::uint8_t { kTicks, kTilt };
 /// The quantity that the crank's messages of a recording count.
 struct CrankOptions {
   CrankKind kind = CrankKind::kTicks;
-  double step_rad = 0.0;  ///< one unit of the message; 0: one tick, or one radian of a joint
+  double step_rad = 0.0;  ///< angle of one unit of the message; 0: one tick, or one radian of a joint
   double zero = 0.0;      ///< the message's value of a level scan plane, in the message's unit
 };
 
-/// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
+/// Options for reading a log. The defaults suit every log that follows docs/formats.md.
 struct ReadOptions {
   bool lenient = false;                        ///< count and skip malformed lines instead of throwing
-  std::optional<double> first_bearing_rad{};   ///< bearing of beam 0; by the number of beams or by the line when empty
-  std::optional<double> bearing_step_rad{};    ///< between beams; likewise
-  std::optional<double> max_range_m{};         ///< the sensor's limit; if empty, the log's own
-  std::optional<Pose2> T_base_laser{};         ///< the mount; from the two poses of each scan line when empty
-  std::optional<double> first_beam_after_s{};  ///< when beam 0 was measured, after the stamp; the log's when empty
-  std::optional<double> beam_period_s{};       ///< from beam to beam; likewise
-  bool deskew =
-      true;  ///< add to each scan the motion of the robot while it was taken, if its beams have different times
+  std::optional<double> first_bearing_rad{};   ///< bearing of beam 0; empty: by the number of beams or the line
+  std::optional<double> bearing_step_rad{};    ///< between beams; empty: the same
+  std::optional<double> max_range_m{};         ///< the sensor's limit; empty: the log's own
+  std::optional<Pose2> T_base_laser{};         ///< the mount; empty: from the two poses of each scan line
+  std::optional<double> first_beam_after_s{};  ///< time of beam 0 after the stamp; empty: the log's own
+  std::optional<double> beam_period_s{};       ///< from beam to beam; empty: the log's own
+  bool deskew = true;                          ///< add the robot's motion to each scan whose beams have different times
   TopicChoice topics{};
   CrankOptions crank{};
   std::optional<double> clock_offset_s{};  ///< for recordings: added to stamps of odometry and crank; measured if empty
   bool all_lasers = false;                 ///< for CARMEN: the second laser too, as ScanRecord::laser 1
-  bool survey = false;                     ///< for recordings: look at all that is there (log_contents.hpp)
+  bool survey = false;                     ///< for recordings: look at all topics (log_contents.hpp)
 };
 
-/// Which part of the logs is wanted.
+/// The wanted part of the logs.
 struct ScanRange {
   std::uint64_t skip = 0;  ///< scans to leave out at the start
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
@@ -84,7 +83,7 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& 
 /// Fills at most the target and returns the number of bytes. Waits if no data is there yet; returns 0 only at the end.
 /// May throw FileError, InputError.
 using ReadBytes = std::function<std::size_t(std::span<char> target)>;
-/// The same of bytes that come from anywhere; `name` stands in messages. A ROS 2 bag cannot be read that way.
+/// The same for bytes from any source; `name` is for messages. A ROS 2 bag cannot be read in this way.
 std::unique_ptr<LogReader> open_log_of_bytes(ReadBytes read, const std::string& name, const ReadOptions& options);
 
 }  // namespace gdtslam

@@ -11,15 +11,14 @@
 
 namespace gdtslam {
 
-/// The rows of a trajectory in its order. Throws Error when a pose is not finite.
+/// The rows of a trajectory in its order. Throws Error if a pose is not finite.
 std::string tum_text(const Trajectory& trajectory);
-/// Atomic. Throws FileError too.
+/// Atomic. Also throws FileError.
 void write_tum(const std::string& path, const Trajectory& trajectory);
 
-/// Comments (#) and blank lines are skipped; of the rotation the yaw is kept, of the position x and y. Throws
-/// InputError with file and line, FileError.
+/// Skips comments (#) and blank lines; keeps x, y and yaw. Throws InputError with file and line, FileError.
 Trajectory read_tum(const std::string& path);
-/// The same from memory; `name` stands in messages.
+/// The same from memory; `name` is for messages.
 Trajectory read_tum(std::span<const std::byte> data, const std::string& name);
 
 /// Rows `t1 t2 x y z roll pitch yaw`: the pose at t2 in the frame of t1, metres and radians [Kuemmerle2009]. Throws

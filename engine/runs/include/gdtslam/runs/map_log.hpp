@@ -30,76 +30,76 @@ using ClosedKeyframesSoon = std::shared_future<ClosedKeyframes>;
 struct MappedScan {
   const LaserScan& scan;
   const MatchResult& match;  ///< in the front end's frame, at the scan's stamp
-  /// The pose of that frame in the one with the loops found by then closed (LoopClosing::correction()).
+  /// Pose of the front end's frame in the one with the loops so far closed (LoopClosing::correction()).
   Pose2 T_closed_front;
-  /// Keyframes anew if that pose has changed with this scan (LoopClosing::request_keyframes()); else no future at all.
+  /// New keyframes if this scan changed that pose (LoopClosing::request_keyframes()); else no valid future.
   ClosedKeyframesSoon closed_keyframes;
-  /// False of scans that were matched together with the next one, as one observation of several lasers.
+  /// False if the scan was matched together with the next one, as one observation of several lasers.
   bool ends_observation = true;
 };
 using ScanMapped = std::function<void(const MappedScan&)>;
 
-/// Opens a log another way than by its name, in the calling thread.
+/// Opens a log other than by its name, in the calling thread.
 using LiveLog = std::function<std::unique_ptr<LogReader>(const ReadOptions&)>;
 
-/// The warning of a run whose log ended with this code if that is no error (MapRequest::stop_ends_log): the log ends
-/// with data that cannot be read, or it is whole but lacks what the warning names.
+/// Warning about a log that ended with this code, if that is no error (MapRequest::stop_ends_log). Either the log ends
+/// with unreadable data, or it is whole but lacks what the warning names.
 constexpr std::string_view warning_of_end(ExitCode code) {
   return code == ExitCode::kUsage ? "not in the log" : "the log broke off";
 }
 
 /// The logs to map, the options, and the folder of the results.
 struct MapRequest {
-  std::vector<std::string> logs{};  ///< mapped one after the other as one; "-" is the standard input
+  std::vector<std::string> logs{};  ///< mapped in order as one log; "-" is the standard input
   std::string folder{};             ///< folder of the results; made if need be
   Settings settings{};              ///< every option of the configuration
   bool lenient = false;             ///< count and skip malformed lines instead of throwing
   ScanRange range{};
-  std::string
-      linkage{};  ///< preset or file for a nodding laser; empty: the file beside the first log, else the default
-  /// Folder of a run to continue: its configuration, range, linkage and parts count in place of those here, its logs
-  /// are read again, and `logs` come after them. Empty: a new run.
+  std::string linkage{};  ///< preset or file for a nodding laser; empty: the first log's sidecar file, else the default
+  /// Folder of a run to continue: its configuration, range, linkage and parts replace those here, its logs are read
+  /// again, and `logs` follow them. Empty: a new run.
   std::string continued{};
-  bool with_continue_file = true;      ///< continue.json, and what came from a stream: the run can be continued
-  bool replace_foreign_files = false;  ///< files in the folder that no run wrote are removed, else it is refused
+  bool with_continue_file = true;  ///< writes continue.json and the data of streams, so that the run can be continued
+  bool replace_foreign_files = false;  ///< foreign files in the folder are removed; otherwise the folder is refused
   bool with_cloud = true;
-  bool with_map = true;        ///< the occupancy map, and the pictures of it: overview and graph
-  bool with_loops = true;      ///< closed once the log has ended
-  bool with_pictures = true;   ///< overview and graph (PNG, or SVG where nothing makes pixels), cloud.png
+  bool with_map = true;        ///< the occupancy map and its pictures, overview and graph
+  bool with_loops = true;      ///< loops are closed once the log has ended
+  bool with_pictures = true;   ///< overview and graph (PNG, or SVG if nothing makes pixels), cloud.png
   CloudPicture draw_cloud{};   ///< cloud.png; empty: none
   MapperOptions on_failure{};  ///< reaction to a failing device
 
   std::function<void(std::uint64_t scans, double share)> progress{};  ///< after each scan; share negative when unknown
   std::function<void(std::string_view step, double share)>
-      closing{};                                           ///< called while loops are closed and the path is adjusted
-  std::function<void(std::string_view what)> finishing{};  ///< before each of the rest: "overview.png", "gdt.png" ...
-  std::function<bool()> stop{};                            ///< true ends the run; the results so far are written
+      closing{};  ///< called while loops are closed and the path is adjusted
+  std::function<void(std::string_view what)>
+      finishing{};               ///< called before each later step: "overview.png", "gdt.png" ...
+  std::function<bool()> stop{};  ///< returning true ends the run; the results so far are written
   /// If true, a stop or unreadable data after the first scan counts as the end of the log: loops are closed, and the
-  /// run is complete. Otherwise the path stays as the mapper measured it.
+  /// run is complete. Otherwise the path keeps the mapper's poses.
   bool stop_ends_log = false;
   /// For live mapping: called as soon as a scan is mapped, before the next one is read. The laser is assumed not to
   /// nod, and nothing is read ahead to check that.
   ScanMapped scan_mapped{};
-  /// Opens a stream that is mapped in place of the only log, whose name stands in messages. Called once.
+  /// Opens a stream that is mapped instead of the only log; messages use the log's name. Called once.
   LiveLog live_log{};
-  std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
+  std::function<void(const std::string&)> warn{};  ///< called with one line at a time, before the work begins
 };
 
 /// Result of a run.
 struct MapResult {
   MapOutcome outcome;
-  std::string linkage;  ///< preset or file that was taken for a laser that nods
+  std::string linkage;  ///< preset or file that was used for a nodding laser
   std::string report;   ///< the text of report.json
 };
 
 /// Returns the backend of a run, once its log is open. `has_work` is false if a device would have no work, because all
-/// matchers but one match a flat laser's scans on the host. The objects that it refers to must live as long as the run.
+/// matchers but one match a flat laser's scans on the host. The backend must live as long as the run.
 using BackendOfRun = std::function<Backend&(bool has_work)>;
 
 /// Maps the logs and writes the run folder, all files or none. Throws InputError, ConfigError, FileError,
-/// UnavailableError, what `backend` throws, DeviceError if the request does not allow to continue without the device,
-/// UsageError if the run cannot be continued in that way, and Error(kInterrupted) if it is stopped before a scan was
-/// mapped.
+/// UnavailableError, what `backend` throws, DeviceError if the request does not allow the run to go on without the
+/// device, UsageError if the run cannot be continued in that way, and Error(kInterrupted) if it is stopped before a
+/// scan was mapped.
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend);
 inline MapResult map_logs(const MapRequest& request, Backend& backend) {
   return map_logs(request, [&backend](bool) -> Backend& { return backend; });

@@ -20,14 +20,14 @@ namespace gdtslam {
 /// Kind of the messages that measure the nod.
 enum class NodKind : std::uint8_t { kNone, kEncoder, kTilt };
 
-/// How much later odometry is stamped than the scans that it belongs to.
+/// How much later odometry is stamped than its scans.
 struct OdometryDelay {
   double delay_s = 0.0;  ///< negative if the scans are stamped later
   double sigma_s = 0.0;  ///< 0 if it was stated
-  /// By how many of its standard deviations odometry agrees better with scans that the delay was not found with than it
-  /// does without one, or with as much the other way.
+  /// Improvement of the agreement between odometry and scans that were not used to estimate the delay, in standard
+  /// deviations; compared with no delay, or with the opposite delay if that agrees better.
   double gain = 0.0;
-  /// True if the delay is significant, and scans that it was not estimated from agree better with it.
+  /// True if the delay is significant and improves the agreement with scans that were not used to estimate it.
   [[nodiscard]] bool stands_out() const { return is_long_enough() && away_s() > 5.0 * sigma_s && gain > 3.0; }
   [[nodiscard]] bool is_long_enough() const { return away_s() >= 0.02; }
   [[nodiscard]] double away_s() const { return delay_s < 0.0 ? -delay_s : delay_s; }
@@ -36,26 +36,26 @@ struct OdometryDelay {
 /// A fault of a log whose cause is known.
 struct LogFinding {
   std::string what;        ///< the fault and its cause
-  std::string evidence;    ///< how sure that is
-  std::string options;     ///< options of the command line that mend it: "--set log.max_range=7.99m"; empty: none
-  bool is_mended = false;  ///< by the run itself
+  std::string evidence;    ///< how certain the cause is
+  std::string options;     ///< command-line options that correct it: "--set log.max_range=7.99m"; empty: none
+  bool is_mended = false;  ///< corrected by the run itself
 };
 
 /// A scan whose match is in doubt.
 struct DoubtfulScan {
-  std::uint64_t index = 0;  ///< in the trajectory, from 0
+  std::uint64_t index = 0;  ///< index in the trajectory, from 0
   double stamp_s = 0.0;
   Doubt reason = Doubt::kNone;
-  bool accepted = false;             ///< the match is taken all the same, not the prediction
-  double from_prediction_m = 0.0;    ///< distance of the match
-  double from_prediction_rad = 0.0;  ///< absolute turn of the match
+  bool accepted = false;             ///< the match is used nevertheless, not the prediction
+  double from_prediction_m = 0.0;    ///< distance of the match from the prediction
+  double from_prediction_rad = 0.0;  ///< absolute angle between match and prediction
 };
 
 /// Counts of the points of a cloud.
 struct CloudSummary {
-  std::uint64_t measured = 0;  ///< points that came
-  std::uint64_t thinned = 0;   ///< left by thinning
-  double voxel_m = 0.0;        ///< edge of the cubes at the end: larger than asked for if the memory was full
+  std::uint64_t measured = 0;  ///< points received
+  std::uint64_t thinned = 0;   ///< points left after thinning
+  double voxel_m = 0.0;        ///< final edge of the cubes: larger than configured if the memory was full
   std::uint64_t removed = 0;   ///< points of floor or ceiling
   std::uint64_t written = 0;
   std::string sha256;  ///< hash of the points as written
@@ -64,17 +64,17 @@ struct CloudSummary {
 
 /// Residual correction between consecutive sweeps.
 struct SweepCheck {
-  std::uint64_t pairs = 0;     ///< that could be compared
-  std::uint64_t not_held = 0;  ///< too little overlap or structure,
-  std::uint64_t apart = 0;     ///< pairs that are well held, and yet no correction makes them agree
+  std::uint64_t pairs = 0;     ///< pairs of sweeps that could be compared
+  std::uint64_t not_held = 0;  ///< pairs with too little overlap or structure
+  std::uint64_t apart = 0;     ///< pairs with enough of both that still disagree after correction
   double mean_shift_m = 0.0;   ///< shift of the centres of the sweeps
   double max_shift_m = 0.0;
   double mean_turn_rad = 0.0;
   double max_turn_rad = 0.0;
   double drift_m = 0.0;  ///< length of the sum of all corrections
   double drift_rad = 0.0;
-  double mean_rms_m = 0.0;    ///< point to plane after registration: the surfaces' own noise
-  double mean_moved_m = 0.0;  ///< how far the corrections move the points of a sweep, root of the mean square
+  double mean_rms_m = 0.0;    ///< point-to-plane distance after registration: the surfaces' own noise
+  double mean_moved_m = 0.0;  ///< root mean square distance by which corrections move a sweep's points
   double wall_s = 0.0;
 
   /// Why linkage, mount or poses are doubtful, with advice; empty if the sweeps agree within three times the noise of
@@ -82,7 +82,7 @@ struct SweepCheck {
   [[nodiscard]] std::string doubt() const;
 };
 
-/// Results of a nodding log besides the rest of a MapOutcome.
+/// Additional results for a nodding log.
 struct NoddingOutcome {
   NoddingStatistics statistics;
   CloudSummary cloud;
@@ -90,7 +90,7 @@ struct NoddingOutcome {
   SweepCheck check;
 };
 
-/// CPU time that a step of a run took, all threads of the process.
+/// CPU time of a step of a run, for all threads of the process.
 struct StageTime {
   std::string name;
   double cpu_s = 0.0;
@@ -101,15 +101,15 @@ struct MapOutcome {
   Trajectory trajectory;
   std::vector<DoubtfulScan> doubtful;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
-  std::vector<std::size_t> drives{};   ///< scans at which another drive of a merged site begins
-  /// The scan of each of them as it was mapped; empty if the laser nods.
+  std::vector<std::size_t> drives{};   ///< indices of the first scans of further drives of a merged site
+  /// The mapped scan of each keyframe; empty if the laser nods.
   std::vector<LaserScan> keyframe_scans;
   std::optional<ClosedPath> closed;  ///< present if loops were closed; its poses are in the trajectory
-  /// For each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
+  /// For each accepted match: the mean distance of its points to the obstacles of the map at that time.
   std::vector<double> match_distances_m;
-  OccupancyMap occupancy;  ///< empty if none was asked for
-  /// The map is too large for one piece: it is kept in tiles, made of the keyframes, and `occupancy` becomes the small
-  /// one of all of them.
+  OccupancyMap occupancy;  ///< empty if the request has none
+  /// The map is too large for one piece: tiles are made from the keyframes, and `occupancy` becomes a small map of all
+  /// tiles.
   bool is_in_tiles = false;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
@@ -118,12 +118,12 @@ struct MapOutcome {
   ExitCode broken_off = ExitCode::kDone;  ///< reason for the log's early end, if that is no error (warning_of_end)
   std::string device_loss;                ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;            ///< between the earliest and the latest stamp
-  double wall_s = 0.0;                    ///< time of the whole run: reading included, and in a run folder writing
+  double wall_s = 0.0;                    ///< time of the whole run with reading, and with writing for a run folder
   double cpu_s = 0.0;                     ///< CPU time of the process during the run
   double mapper_s = 0.0;                  ///< wall time inside the mapper
   // CPU time of all threads.
   double read_cpu_s = 0.0;
-  double mapper_cpu_s = 0.0;  ///< inside the mapper; what looks for loops meanwhile too
+  double mapper_cpu_s = 0.0;  ///< inside the mapper, with the search for loops meanwhile
   double occupancy_cpu_s = 0.0;
   double loops_cpu_s = 0.0;  ///< closing the rest of the loops and adjusting the path, once the log has ended
   double cloud_cpu_s = 0.0;  ///< time for finishing a cloud once all its points are there
@@ -131,7 +131,7 @@ struct MapOutcome {
   std::optional<NoddingOutcome> nodding;  ///< present if the laser nods
 };
 
-/// Scans that got a pose, matched or not.
+/// Number of scans with a pose, matched or not.
 inline std::uint64_t scans_of(const MapOutcome& outcome) { return outcome.trajectory.size(); }
 
 }  // namespace gdtslam

@@ -15,12 +15,12 @@ namespace gdtslam {
 
 enum class CloudRemoval : std::uint8_t { kNone, kFloor, kCeiling, kBoth };
 
-/// How a cloud is thinned, and which parts are left out.
+/// Thinning of a cloud, and the parts to leave out.
 struct CloudConfig {
   double voxel_m = 0.02;             ///< one point a voxel; 0 keeps all
   std::int32_t max_megavoxels = 64;  ///< memory: 16 to 32 MiB each
   CloudRemoval remove = CloudRemoval::kNone;
-  double remove_margin_m = 0.05;  ///< over the floor and under the ceiling
+  double remove_margin_m = 0.05;  ///< above the floor and below the ceiling
 };
 /// The table of the options, under "cloud."; its rows point into `config`.
 std::vector<Option> option_table(CloudConfig& config);
@@ -28,21 +28,21 @@ std::vector<Option> option_table(CloudConfig& config);
 /// Whether the log's own values are used or the stated ones.
 enum class LogSource : std::uint8_t { kLog, kStated };
 
-/// Who says how much later odometry is stamped than the scans.
+/// Source of the delay of odometry's stamps after the scans'.
 enum class OdometryStamps : std::uint8_t { kMeasured, kStated, kLog };
 
 /// Which of CARMEN's two lasers are read.
 enum class LogLasers : std::uint8_t { kFront, kAll };
 
-/// Corrections of a log that is wrong about its laser: the mount, the bearings of the
-/// beams, the limit of the ranges, the clock of the odometry, what a crank counts (docs/formats.md). Metres, radians.
+/// Corrections of wrong values in a log: mount of the laser, bearings of the beams, limit of the ranges, clock of the
+/// odometry, counts of a crank (docs/formats.md). Metres, radians.
 struct LogConfig {
   LogSource mount = LogSource::kLog;
   Pose2 T_base_laser;  ///< used if `mount` is stated
   LogSource bearings = LogSource::kLog;
   double first_bearing_rad = 0.0;  ///< both are used if `bearings` are stated
   double bearing_step_rad = 0.0;
-  double max_range_m = 0.0;  ///< 0: what the log says
+  double max_range_m = 0.0;  ///< 0: the log's own limit
   LogSource beam_times = LogSource::kLog;
   double first_beam_after_s = 0.0;  ///< both are used if `beam_times` are stated
   double beam_period_s = 0.0;
@@ -52,21 +52,20 @@ struct LogConfig {
   LogSource clock = LogSource::kLog;
   double clock_offset_s = 0.0;  ///< used if `clock` is stated
   CrankOptions crank;
-  TopicChoice
-      topics;  ///< choice for recordings; no option, but the command line's --topic, --odom, --crank and --mount
+  TopicChoice topics;  ///< for recordings; not an option, set by --topic, --odom, --crank and --mount
   LogLasers lasers = LogLasers::kFront;
 };
 
 /// The options under "log.".
 std::vector<Option> option_table(LogConfig& config);
 
-/// Faults that the bounds of the options do not show: values that nothing would use, and a step of zero.
+/// Faults that the bounds of the options do not find: unused values, and a step of zero.
 std::vector<std::string> find_faults(const LogConfig& config);
 
-/// Options for the reader of a log: only stated ones, the rest is as the log has it.
+/// Options for the reader of a log: only the stated ones; for the rest the log's own values are used.
 ReadOptions read_options_of(const LogConfig& config, bool lenient);
 
-/// Every option of a run, and which of them do not have their defaults.
+/// Every option of a run, and which were set.
 struct Settings {
   MapperConfig mapper;
   OccupancyConfig occupancy;
