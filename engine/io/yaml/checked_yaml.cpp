@@ -135,6 +135,7 @@ std::set<std::string> read_fields(const YamlValue& value, const std::vector<Yaml
     const auto is_key = [&key](const YamlField& field) { return key == field.key; };
     if (std::none_of(fields.begin(), fields.end(), is_key)) {
       std::vector<std::string> known;
+      known.reserve(fields.size());
       for (const YamlField& field : fields) known.emplace_back(field.key);
       at_key.refuse("unknown key '" + key + "'" + did_you_mean(key, known));
     }
