@@ -4,28 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "gdtslam/compute/backend.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
+#include "support/merge_row.hpp"
 
 namespace gdtslam::test {
 namespace {
-
-/// The scan's cells merged into the global ones, as one row.
-std::vector<std::uint16_t> merged(Isa isa, GdtMerge::Params params, std::vector<std::uint16_t> global,
-                                  const std::vector<std::uint16_t>& scan) {
-  params.scan_width = static_cast<std::uint32_t>(scan.size());
-  params.scan_height = 1;
-  params.scan_stride = params.global_stride = (params.scan_width + 3) / 4 * 4;
-  const auto backend = make_cpu_backend({.threads = 1, .isa = isa});
-  const Buffer map = backend->allocate(2 * global.size());
-  const Buffer seen = backend->allocate(2 * scan.size());
-  backend->upload(map, std::as_bytes(std::span(global)));
-  backend->upload(seen, std::as_bytes(std::span(scan)));
-  run<GdtMerge>(*backend, params, {params.scan_width, 1, 1}, map, seen);
-  backend->download(map, std::as_writable_bytes(std::span(global)));
-  return global;
-}
 
 /// All pairs of the values: the scan's along x, the map's along y.
 void expect_all_pairs(const std::vector<std::uint16_t>& values, const GdtMerge::Params& params) {
