@@ -45,15 +45,18 @@ double wrap_angle(double angle_rad) {
 
 bool Pose2::is_finite() const { return std::isfinite(x_m) && std::isfinite(y_m) && std::isfinite(theta_rad); }
 
+PointMotion::PointMotion(const Pose2& T_a_b) : translation_(T_a_b.translation()) {
+  const SinCos<double> angle = sin_cos(T_a_b.theta_rad);
+  sin_ = angle.sin;
+  cos_ = angle.cos;
+}
+
 Pose2 operator*(const Pose2& T_a_b, const Pose2& T_b_c) {
   const Point2 turned = rotate(sin_cos(T_a_b.theta_rad), T_b_c.x_m, T_b_c.y_m);
   return {T_a_b.x_m + turned.x(), T_a_b.y_m + turned.y(), wrap_angle(T_a_b.theta_rad + T_b_c.theta_rad)};
 }
 
-Point2 operator*(const Pose2& T_a_b, const Point2& point_b) {
-  const Point2 turned = rotate(sin_cos(T_a_b.theta_rad), point_b.x(), point_b.y());
-  return {T_a_b.x_m + turned.x(), T_a_b.y_m + turned.y()};
-}
+Point2 operator*(const Pose2& T_a_b, const Point2& point_b) { return PointMotion(T_a_b)(point_b); }
 
 Pose2 inverse(const Pose2& T_a_b) {
   const Point2 turned = rotate_back(sin_cos(T_a_b.theta_rad), T_a_b.x_m, T_a_b.y_m);

@@ -118,9 +118,7 @@ MapperConfig LoopClosing::adapt_config(MapperConfig config) {
   return config;
 }
 
-void LoopClosing::take(std::span<const Point2> points_base_m, const MatchResult& result) {
-  state_->back_end.take(points_base_m, result);
-}
+void LoopClosing::take(const KeptScan& scan, const MatchResult& result) { state_->back_end.take(scan, result); }
 
 double LoopClosing::finish_field() const {
   if (!state_->mapping) return 0.0;

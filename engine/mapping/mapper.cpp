@@ -93,6 +93,7 @@ struct Mapper::State {
   Prediction prediction;
   ScanPoints scan_points;
   std::vector<PointCells> points;  // points for matching
+  KeptScan kept;                   // its surfaces, if there is an estimate
   bool is_matched = false;         // a map exists and enough points are left after thinning
 
   std::unique_ptr<LoopClosing> loops;
@@ -201,7 +202,8 @@ MatchResult Mapper::State::match() {
 // Combines the match with the wheels.
 void Mapper::State::judge(MatchResult& result) {
   if (estimate) {
-    estimate->take(result, is_matched, scan.points_base_m, [this](const Pose2& pose, const Pose2& matched) {
+    kept = keep_scan(scan.points_base_m);
+    estimate->take(result, is_matched, kept, [this](const Pose2& pose, const Pose2& matched) {
       return fits_about_as_well(map->host.field, points, pose, matched);
     });
   }
@@ -334,7 +336,7 @@ MatchResult Mapper::process(PointScan scan, const std::optional<Pose2>& T_odom_b
   s.update_map(result);  // (1), (9), (10), (11)
   s.count(result);
   result.stamp_s = s.scan.stamp_s;
-  if (s.loops) s.loops->take(s.scan.points_base_m, result);
+  if (s.loops) s.loops->take(s.kept, result);
   return result;
 }
 

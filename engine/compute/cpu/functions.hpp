@@ -10,6 +10,7 @@
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
@@ -84,6 +85,11 @@ struct IsaFunctions {
                      const PoseSlope::Pose&, double* totals);
   void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose&, std::uint16_t* values);
+  void (*find_lines)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Surface& points,
+                     std::int32_t* found);
+  /// totals: PointToLine::kSums values.
+  void (*line_slope)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Surface& points,
+                     const std::int32_t* found, double* totals);
 };
 
 extern const IsaFunctions kBaselineFunctions;

@@ -38,6 +38,15 @@ inline std::uint32_t lane_sum(Ints a) {
   const __m128i two = _mm_add_epi32(four, _mm_shuffle_epi32(four, 0x4E));
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
 }
+inline Floats load_floats(const float* values) { return _mm256_loadu_ps(values); }
+inline Ints bits_of(Floats a) { return _mm256_castps_si256(a); }
+inline Ints lane_numbers() { return _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7); }
+/// The least of the lanes, none of which is negative.
+inline std::uint32_t lane_least(Ints a) {
+  const __m128i four = _mm_min_epi32(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1));
+  const __m128i two = _mm_min_epi32(four, _mm_shuffle_epi32(four, 0x4E));
+  return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_min_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
+}
 
 /// Points of the lanes. A lane's point is fixed; lanes are not in the order of the points, on which sums do not depend.
 struct LanePoints {

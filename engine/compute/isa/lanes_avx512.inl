@@ -39,6 +39,16 @@ inline std::uint32_t lane_sum(Ints a) {
   const __m128i two = _mm_add_epi32(four, _mm_shuffle_epi32(four, 0x4E));
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
 }
+inline Floats load_floats(const float* values) { return _mm512_loadu_ps(values); }
+inline Ints bits_of(Floats a) { return _mm512_castps_si512(a); }
+inline Ints lane_numbers() { return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
+/// The least of the lanes, none of which is negative.
+inline std::uint32_t lane_least(Ints a) {
+  const __m256i eight = _mm256_min_epi32(_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64(a, 1));
+  const __m128i four = _mm_min_epi32(_mm256_castsi256_si128(eight), _mm256_extracti128_si256(eight, 1));
+  const __m128i two = _mm_min_epi32(four, _mm_shuffle_epi32(four, 0x4E));
+  return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_min_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
+}
 
 /// Points of the lanes. A lane's point is fixed; lanes are not in the order of the points, on which sums do not depend.
 struct LanePoints {

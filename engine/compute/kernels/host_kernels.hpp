@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
@@ -30,6 +31,13 @@ PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const 
 /// The field under each point at a pose; field height and width at least 1.
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose& pose, std::uint16_t* values);
+
+/// The line of each point taken, or PointToLine::kNone; lines and points with at least kCandidates entries.
+void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
+                     const PointToLine::Surface& points, std::int32_t* found);
+/// Normal equations of the points on the lines found.
+PointToLine::Sums line_slope_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
+                                  const PointToLine::Surface& points, const std::int32_t* found);
 
 /// Sums of `count` tiles of boxes, tile_width * tile_height each.
 void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,

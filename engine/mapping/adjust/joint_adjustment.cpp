@@ -57,7 +57,7 @@ std::vector<KeyframePair> find_pairs(const std::vector<Pose2>& poses, const Pair
   return pairs;
 }
 
-JointAdjustment::JointAdjustment(const std::vector<KeptScan>& scans, std::vector<PoseRelation> held,
+JointAdjustment::JointAdjustment(const std::vector<LineScan>& scans, std::vector<PoseRelation> held,
                                  const JointOptions& options)
     : scans_(scans), held_(std::move(held)), options_(options) {}
 

@@ -52,7 +52,7 @@ struct JointResult {
 class JointAdjustment {
  public:
   /// `scans` must outlive this, one a pose. `held` are further relations, with their information.
-  JointAdjustment(const std::vector<KeptScan>& scans, std::vector<PoseRelation> held, const JointOptions& options);
+  JointAdjustment(const std::vector<LineScan>& scans, std::vector<PoseRelation> held, const JointOptions& options);
 
   /// Called after each iteration with the finished share.
   using Progress = std::function<void(double)>;
@@ -70,7 +70,7 @@ class JointAdjustment {
   [[nodiscard]] OneWay one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
                                const LineGate& gate) const;
 
-  const std::vector<KeptScan>& scans_;
+  const std::vector<LineScan>& scans_;
   std::vector<PoseRelation> held_;
   JointOptions options_;
 };

@@ -10,6 +10,9 @@ namespace gdtslam {
 namespace {
 
 constexpr double kNearEnough_m = 4.0;
+// The lines of the points are kept until the scan has moved this far.
+constexpr double kSearchAgain_m = 0.01;
+constexpr double kSearchAgain_rad = 0.001;
 
 constexpr double kTurnStiffness = 4.0;  // relative to that of a metre
 
@@ -31,7 +34,7 @@ void carry_with_nearest(std::span<const Pose2> before, std::span<const Pose2> af
   }
 }
 
-ScanAdjustment::ScanAdjustment(std::span<const KeptScan> keyframes, std::span<const Pose2> poses,
+ScanAdjustment::ScanAdjustment(std::span<const LineScan> keyframes, std::span<const Pose2> poses,
                                const ScanAdjustmentOptions& options)
     : keyframes_(keyframes), poses_(poses), bins_(options.near_m), options_(options) {
   for (std::size_t i = 0; i < poses_.size(); ++i) bins_.add(i, poses_[i]);
@@ -42,11 +45,9 @@ bool ScanAdjustment::is_neighbour(std::size_t keyframe, const Pose2& pose, std::
   return (keyframe > *last ? keyframe - *last : *last - keyframe) < options_.next_in_time;
 }
 
-std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::optional<std::size_t> last,
-                                                        bool is_keyframe) const {
+std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::optional<std::size_t> last) const {
   std::vector<std::pair<double, std::size_t>> near;
   bins_.visit_near(pose, [&](std::size_t i) {
-    if (is_keyframe && i == last) return;
     const double away_m = std::sqrt(squared_distance(poses_[i], pose));
     if (away_m >= options_.near_m) return;
     near.emplace_back(away_m + (is_neighbour(i, pose, last) ? 0.0 : options_.neighbour_bonus_m), i);
@@ -58,16 +59,24 @@ std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::
   return keyframes;
 }
 
-Pose2 ScanAdjustment::adjusted(const KeptScan& scan, const Pose2& pose, std::optional<std::size_t> last,
-                               bool is_keyframe) const {
-  const std::vector<std::size_t> near = keyframes_near(pose, last, is_keyframe);
+Pose2 ScanAdjustment::adjusted(const LineScan& scan, const Pose2& pose, std::optional<std::size_t> last) const {
+  const std::vector<std::size_t> near = keyframes_near(pose, last);
   const LineGate gate{.most_m = options_.point_gate_m, .points = options_.points};
   Pose2 best = pose;
+  Pose2 searched_at;
+  std::vector<std::vector<std::int32_t>> found(near.size());
   for (int step = 0; step < options_.iterations; ++step) {
     Matrix3 information;
     Tangent2 gradient{};
-    for (const std::size_t keyframe : near) {
-      const LineEquations lines = line_equations(keyframes_[keyframe], scan, between(poses_[keyframe], best), gate);
+    const Pose2 moved = between(searched_at, best);
+    const bool is_far = translation_length(moved) > kSearchAgain_m || std::fabs(moved.theta_rad) > kSearchAgain_rad;
+    const bool searches = step == 0 || is_far;
+    if (searches) searched_at = best;
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      const std::size_t keyframe = near[k];
+      const Pose2 T = between(poses_[keyframe], best);
+      if (searches) find_lines(keyframes_[keyframe], scan, T, gate, found[k]);
+      const LineEquations lines = line_equations(keyframes_[keyframe], scan, T, gate, found[k]);
       information += lines.information;
       add(gradient, lines.gradient);
     }

@@ -1,4 +1,4 @@
-// Adjusts every scan to the keyframes around it, which stay: a scan between two keyframes becomes as good as they are.
+// Adjusts scans between keyframes to the keyframes around them, which stay: such a scan becomes as good as they are.
 // Frame: the keyframes'. Thread-safe. Cost: eight pairs of scans and three iterations each.
 #pragma once
 
@@ -35,20 +35,18 @@ struct ScanAdjustmentOptions {
 class ScanAdjustment {
  public:
   /// Keyframes and poses, one each, must outlive this.
-  ScanAdjustment(std::span<const KeptScan> keyframes, std::span<const Pose2> poses,
+  ScanAdjustment(std::span<const LineScan> keyframes, std::span<const Pose2> poses,
                  const ScanAdjustmentOptions& options);
 
-  /// The adjusted pose of a scan taken after keyframe `last` and before the next. If the scan is itself a keyframe,
-  /// that keyframe does not count. Without `last`, keyframes with a similar heading count as next to it.
-  [[nodiscard]] Pose2 adjusted(const KeptScan& scan, const Pose2& pose, std::optional<std::size_t> last,
-                               bool is_keyframe) const;
+  /// The adjusted pose of a scan taken after keyframe `last` and before the next. Without `last`, keyframes with a
+  /// similar heading count as next to it.
+  [[nodiscard]] Pose2 adjusted(const LineScan& scan, const Pose2& pose, std::optional<std::size_t> last) const;
 
  private:
-  [[nodiscard]] std::vector<std::size_t> keyframes_near(const Pose2& pose, std::optional<std::size_t> last,
-                                                        bool is_keyframe) const;
+  [[nodiscard]] std::vector<std::size_t> keyframes_near(const Pose2& pose, std::optional<std::size_t> last) const;
   [[nodiscard]] bool is_neighbour(std::size_t keyframe, const Pose2& pose, std::optional<std::size_t> last) const;
 
-  std::span<const KeptScan> keyframes_;
+  std::span<const LineScan> keyframes_;
   std::span<const Pose2> poses_;
   PoseBins bins_;
   ScanAdjustmentOptions options_;

@@ -35,7 +35,6 @@ constexpr double kLeastForDoubt = 0.3;  // least factor of the wheels' variance 
 // In a turn in which the two disagree, the wheels get slightly more weight: their own heading counts then, and its
 // error moves the later path as that of the matches does.
 constexpr double kTurnOfWheels = 0.9;
-constexpr std::size_t kMostUnkept = 128;   // scans that wait to be put on the shelf
 constexpr std::size_t kScansAtOnce = 256;  // scans adjusted by the workers between two reports of progress
 constexpr int kTimesCarried = 3;           // repetitions for scans without a kept keyframe: their poses are the graph's
 constexpr std::size_t kMostCovariances = 400;  // places with computed covariances; the rest are interpolated
@@ -67,26 +66,15 @@ BackEnd::BackEnd(const BackEndOptions& options)
       scans_(options.scratch_folder, ByteShelf::kFewBytes),
       shelf_(options.scratch_folder, options.shelf_bytes) {}
 
-void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
+void BackEnd::take(const KeptScan& scan, const MatchResult& result) {
   if (keyframes_taken_ > 0) follow(result);
-  if (!result.merged && keyframes_taken_ > 0) return add_scan(points_base_m, result);
+  shelf_.put(scan);
+  if (!result.merged && keyframes_taken_ > 0) {
+    scans_.put({between(T_map_keyframe_, result.T_map_base), keyframes_taken_ - 1});
+    return;
+  }
   scans_.put({{}, keyframes_taken_++});
-  KeptScan points = keep_scan(points_base_m);
-  put_on_shelf([this, points] { shelf_.put(points); });
-  add_keyframe(result, std::move(points));
-}
-
-void BackEnd::put_on_shelf(std::function<void()> put) {
-  if (threads_meant(options_.threads) == 1) return put();
-  if (!keeping_) keeping_.emplace(true, kMostUnkept);
-  keeping_->give(std::move(put));
-}
-
-// The scan's points are not needed before the end.
-void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult& result) {
-  scans_.put({between(T_map_keyframe_, result.T_map_base), keyframes_taken_ - 1});
-  put_on_shelf(
-      [this, points = std::vector(points_base_m.begin(), points_base_m.end())] { shelf_.put(keep_scan(points)); });
+  add_keyframe(result, scan);
 }
 
 // Adds one scan. If match and prediction differ by more than their errors allow, either may be wrong by the whole
@@ -122,8 +110,6 @@ void BackEnd::follow(const MatchResult& result) {
 void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   Keyframe keyframe{
       .scan = std::move(points), .T_map_base = result.T_map_base, .path_m = 0.0, .steps = {}, .travel = {}};
-  keyframe.scan.surface.shrink_to_fit();  // it stays until the end
-  keyframe.scan.lone.shrink_to_fit();
   if (keyframes_taken_ <= 1) {
     chain_.take(result.T_map_base, {}, known_, counter_.is_place(0.0));
   } else {
@@ -202,7 +188,9 @@ void BackEnd::take_kept() {
   for (std::size_t i = 0; i < is_pruned.size(); ++i) {
     if (!is_pruned[i]) kept_.push_back(i);
   }
-  kept_scans_ = loops_.take_scans();
+  std::vector<KeptScan> scans_of_kept = loops_.take_scans();
+  kept_scans_.reserve(kept_.size());
+  for (KeptScan& scan : scans_of_kept) kept_scans_.emplace_back(std::exchange(scan, {}));
   Shelf<Scan>::Reader scans(scans_);
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     if (scans.next().keyframe == keyframes_.size()) keyframes_.push_back(i);  // the first scan of this keyframe
@@ -220,8 +208,7 @@ std::vector<Pose2> BackEnd::poses_of_scans(const std::vector<Pose2>& keyframes) 
   return poses;
 }
 
-void BackEnd::finish_keeping() {
-  if (keeping_) keeping_->finish();
+void BackEnd::warn_of_shelf() const {
   const std::string& trouble = shelf_.bytes().trouble();
   if (!trouble.empty() && options_.live.warn)
     options_.live.warn("the points of all scans stayed in memory: " + trouble);
@@ -261,9 +248,10 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
       for (std::size_t i = first + begin; i < first + end; ++i) {
         const std::size_t keyframe = hung_on[i - first];
         const std::optional<std::size_t> last = number_in(kept_, keyframe);
-        const bool is_keyframe = keyframes_[keyframe] == i;
+        if (last && keyframes_[keyframe] == i) continue;  // adjusted with the others
+        const LineScan scan(taken[i - first]);
         for (int times = last ? 1 : kTimesCarried; times > 0; --times) {
-          poses[i] = adjustment.adjusted(taken[i - first], poses[i], last, last && is_keyframe);
+          poses[i] = adjustment.adjusted(scan, poses[i], last);
         }
       }
     });
@@ -318,7 +306,6 @@ void BackEnd::visit_keyframes(const std::function<void(std::size_t, const KeptSc
 
 BackEndResult BackEnd::as_driven() {
   loops_.abandon();
-  if (keeping_) keeping_->finish();
   take_kept();
   BackEndResult result;
   result.poses = poses_of_scans(path_.poses);
@@ -333,7 +320,7 @@ BackEndResult BackEnd::finish(const Progress& progress) {
   LoopCloser& closer = loops_.end([&](double share) { closing(share, 0); });
   WorkerPool workers(threads_meant(options_.threads));
   closer.run(closing, workers);
-  finish_keeping();
+  warn_of_shelf();
   take_kept();
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;

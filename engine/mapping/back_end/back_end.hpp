@@ -14,7 +14,6 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/core/side_thread.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
@@ -32,9 +31,8 @@ struct BackEndOptions {
   LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
-  unsigned threads = 1;  ///< threads of the adjustments, the caller's included; 0: one a processor. With more than one,
-                         ///< a further thread keeps the scans
-  std::string scratch_folder{};                       ///< folder for the shelves' files
+  unsigned threads = 1;          ///< threads of the adjustments, the caller's included; 0: one a processor
+  std::string scratch_folder{};  ///< folder for the shelves' files
   std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< memory of the shelf that holds the points
 };
 
@@ -60,7 +58,7 @@ class BackEnd {
   explicit BackEnd(const BackEndOptions& options);
 
   /// Takes the next scan and the front end's pose of it. Rethrows exceptions of the search for loops.
-  void take(std::span<const Point2> points_base_m, const MatchResult& result);
+  void take(const KeptScan& scan, const MatchResult& result);
 
   /// Call it once, after the last scan.
   BackEndResult finish(const Progress& progress);
@@ -82,8 +80,6 @@ class BackEnd {
     std::size_t keyframe = 0;
   };
   void follow(const MatchResult& result);
-  void put_on_shelf(std::function<void()> put);
-  void add_scan(std::span<const Point2> points_base_m, const MatchResult& result);
   void add_keyframe(const MatchResult& result, KeptScan points);
   [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& known) const;
   Matrix3 update_unseen(const MatchResult& result, const KeptScan& known);
@@ -97,7 +93,7 @@ class BackEnd {
   };
   [[nodiscard]] CautiousGraph cautious_graph(const LoopCloser& closer) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
-  void finish_keeping();
+  void warn_of_shelf() const;
   void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                     const Progress& progress) const;
 
@@ -120,12 +116,11 @@ class BackEnd {
   Matrix3 match_leaps_;  // and for the matches
   TurnLeap turn_leap_;
   WheelTravel travel_;
-  Shelf<KeptScan> shelf_;              // points of all scans
-  std::optional<SideThread> keeping_;  // thread that fills the shelf
+  Shelf<KeptScan> shelf_;  // points of all scans
   // After the end:
   std::vector<std::size_t> keyframes_;  // numbers of the scans that are keyframes
   std::vector<std::size_t> kept_;       // keyframes
-  std::vector<KeptScan> kept_scans_;    // scans of the kept keyframes, until all is adjusted
+  std::vector<LineScan> kept_scans_;    // scans of the kept keyframes, until all is adjusted
 };
 
 }  // namespace gdtslam

@@ -44,13 +44,14 @@ Matrix3 MatchChain::of_first_seen(const Pose2& T_map_base, const KeptScan& known
   for (const Since& link : links_) of_links.push_back(turned(link.covariance, T_map_base.theta_rad - link.heading_rad));
   Matrix3 sum;
   for (const Point2& axis : {Point2(cos, sin), Point2(-sin, cos)}) {
+    const PointMotion in_map(T_map_base);
     const Tangent2 along{axis.x(), axis.y(), 0.0};
     double weights = 0.0;
     double variance = 0.0;
     for (const SurfacePoint& p : known.surface) {
       const double weight = square(p.normal().dot(axis));
       if (weight < kAcrossAxis) continue;
-      const std::size_t first = surfaces.first_seen(T_map_base * p.point());
+      const std::size_t first = surfaces.first_seen(in_map(p.point()));
       weights += weight;
       if (first == place_) continue;
       variance += weight * squared_norm(first < place_ ? of_place : of_links[first - place_ - 1], along);

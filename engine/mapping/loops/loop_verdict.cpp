@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "engine/core/elementary.hpp"
-
 namespace gdtslam {
 namespace {
 
@@ -30,8 +28,9 @@ struct Shares {
 // Counts the points at T that lie in free space, and all points in known cells.
 Shares in_free_space(const std::vector<Point2>& points, const Pose2& T, const FreeSpace& space, std::size_t every) {
   Shares shares;
+  const PointMotion placed(T);
   for (std::size_t i = 0; i < points.size(); i += every) {
-    const Point2 point = T * points[i];
+    const Point2 point = placed(points[i]);
     if (!space.is_known(point)) continue;
     ++shares.known;
     shares.wrong += space.is_free(point) ? 1U : 0U;
@@ -52,11 +51,10 @@ CommonWalls common_walls(const ScanGroup& reference, const ScanGroup& query, con
   CommonWalls common;
   common.of_query.resize(query.keyframes());
   common.of_reference.resize(reference.keyframes());
-  const SinCos<double> turn = sin_cos(T_reference_query.theta_rad);
+  const PointMotion in_reference(T_reference_query);
   for (const WallPoint& wall : query.space().walls()) {
-    const Point2 point = T_reference_query * wall.point;
-    const double nx = turn.cos * wall.normal.x() - turn.sin * wall.normal.y();
-    const double ny = turn.sin * wall.normal.x() + turn.cos * wall.normal.y();
+    const Point2 point = in_reference(wall.point);
+    const Point2 normal = in_reference.turned(wall.normal);
     double nearest_m2 = kOnWall_m * kOnWall_m;
     std::size_t keyframe = 0;
     bool is_same = false;
@@ -66,7 +64,7 @@ CommonWalls common_walls(const ScanGroup& reference, const ScanGroup& query, con
       const double dy = there.point.y() - point.y();
       const double away_m2 = dx * dx + dy * dy;
       if (away_m2 > kOnWall_m * kOnWall_m) return;
-      const double cosine = there.normal.x() * nx + there.normal.y() * ny;
+      const double cosine = there.normal.dot(normal);
       if (cosine > kSameSide && away_m2 <= nearest_m2) {
         nearest_m2 = away_m2;
         keyframe = there.keyframe;

@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "engine/core/elementary.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -42,10 +41,6 @@ std::vector<std::size_t> from_middle(std::size_t first, std::size_t middle, std:
     if (middle + away <= last) order.push_back(middle + away);
   }
   return order;
-}
-
-Point2 turned(const SinCos<double>& turn, const Point2& v) {
-  return {turn.cos * v.x() - turn.sin * v.y(), turn.sin * v.x() + turn.cos * v.y()};
 }
 
 MapperConfig field_config(double resolution_m) {
@@ -114,17 +109,17 @@ ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double h
   for (const std::size_t i : from_middle(first, middle, last)) {
     const KeptScan& scan = keyframes.scans[i];
     const Pose2& T = in_middle_[i - first];
-    const SinCos<double> turn = sin_cos(T.theta_rad);
+    const PointMotion in_middle(T);
     const auto take = [&](const Point2& point) {
       beams.push_back({T.translation(), point});
       if (thinner.is_first(point)) of_keyframes[i - first_].push_back(point);
     };
     for (const SurfacePoint& p : scan.surface) {
-      const Point2 point = T * p.point();
+      const Point2 point = in_middle(p.point());
       take(point);
-      walls.push_back({point, turned(turn, p.normal()), i - first_});
+      walls.push_back({point, in_middle.turned(p.normal()), i - first_});
     }
-    for (const LonePoint& p : scan.lone) take(T * p.point());
+    for (const LonePoint& p : scan.lone) take(in_middle(p.point()));
   }
   for (const std::vector<Point2>& points : of_keyframes) points_.insert(points_.end(), points.begin(), points.end());
   space_ = std::make_unique<FreeSpace>(beams, walls);

@@ -146,8 +146,7 @@ std::optional<Pose2> MotionEstimate::corrected(const std::optional<Pose2>& T_odo
   return T_odom_corrected_;
 }
 
-void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
-                          const FitsAsWell& fits_as_well) {
+void MotionEstimate::take(MatchResult& result, bool is_matched, const KeptScan& scan, const FitsAsWell& fits_as_well) {
   result.T_odometry_step = step_;
   result.odometry_sigma_m = is_measured_ ? noise_.sigma_m : kNothingSaid.sigma_m;
   result.odometry_sigma_rad = is_measured_ ? noise_.sigma_rad : kNothingSaid.sigma_rad;
@@ -156,10 +155,9 @@ void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const 
   result.match_sigma_m = wheels_.errors().match_m;
   result.match_sigma_rad = wheels_.errors().match_rad;
   const bool is_settled = result.accepted && is_matched;
-  const KeptScan scan = is_settled ? keep_scan(points_base_m) : KeptScan{};
   const bool is_sure = result.accepted && result.doubt == Doubt::kNone;
   wheels_.take(odometry_, is_sure ? std::optional(result.T_map_base) : std::nullopt,
-               knows_way(scan, inverse(step_).translation()));
+               is_settled && knows_way(scan, inverse(step_).translation()));
   if (is_settled) settle(result, scan, fits_as_well);
   if (is_settled && result.accepted && find_leap(result)) {
     Pose2 turned = result.T_map_base;

@@ -103,10 +103,9 @@ class MotionEstimate {
 
   /// Predicts the next scan's pose with the model by corrected odometry, and states its uncertainty.
   Prediction predict(MotionModel& model, const std::optional<Pose2>& T_odom_base, double stamp_s);
-  /// Takes the match of a scan with these points, matched or not. The result gets the pose from both sources. If both
-  /// cannot be right, the scan decides, but a weak match that cannot be right is refused.
-  void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
-            const FitsAsWell& fits_as_well);
+  /// Takes the match of this scan, matched or not. The result gets the pose from both sources. If both cannot be right,
+  /// the scan decides, but a weak match that cannot be right is refused.
+  void take(MatchResult& result, bool is_matched, const KeptScan& scan, const FitsAsWell& fits_as_well);
   /// The returns of a predicted scan for matching: without the ends of walls (KnownSurfaces::without_wall_ends), if at
   /// least `fewest` are left. Without odometry all returns: nothing else measures the robot's motion.
   [[nodiscard]] std::vector<Point2> points_to_match(const PointScan& scan, int fewest);

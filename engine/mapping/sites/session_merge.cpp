@@ -24,8 +24,11 @@ MergedSite merge_group(const std::vector<std::size_t>& group, const std::vector<
     site.searches = finder.counts().searched;
     site.loops_between = graph.loops_between(true);
     site.loops_off = graph.loops_between(false);
-    site.joint = JointAdjustment(graph.scans(), graph.held_relations(), options.joint)
-                     .run(graph.poses(), workers, [&](double share) { progress("adjusting keyframes", share); });
+    const std::vector<LineScan> scans(graph.scans().begin(), graph.scans().end());
+    site.joint =
+        JointAdjustment(scans, graph.held_relations(), options.joint).run(graph.poses(), workers, [&](double share) {
+          progress("adjusting keyframes", share);
+        });
     graph.return_to_frame();
   }
   site.poses = graph.poses_of_sessions();

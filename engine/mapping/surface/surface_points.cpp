@@ -75,6 +75,13 @@ struct Normal {
   double variance = 0.0;
 };
 
+// The direction a quarter turn from half the angle with this cosine and sine. The smaller part follows from the larger.
+Point2 across_axis(double cosine, double sine) {
+  const double larger = std::sqrt(0.5 * (1.0 + std::fabs(cosine)));
+  const double smaller = 0.5 * sine / larger;
+  return cosine >= 0.0 ? Point2(-smaller, larger) : Point2(-std::copysign(larger, sine), std::fabs(smaller));
+}
+
 std::optional<Normal> fit_normal(const Neighbourhood& sums, double noise_m) {
   if (sums.count < kFewestPoints) return std::nullopt;
   const auto n = static_cast<double>(sums.count);
@@ -87,9 +94,7 @@ std::optional<Normal> fit_normal(const Neighbourhood& sums, double noise_m) {
   if (!(spread > 0.0) || across > kFlatness * along + n * square(std::max(kRoughness_m, kRoughnessNoises * noise_m))) {
     return std::nullopt;
   }
-  const double angle = 0.5 * atan2(2.0 * xy, xx - yy);
-  const auto direction = sin_cos(angle);
-  return Normal{Point2(-direction.sin, direction.cos), across / ((n - 2.0) * along)};
+  return Normal{across_axis((xx - yy) / spread, 2.0 * xy / spread), across / ((n - 2.0) * along)};
 }
 
 // The noise of the returns across their surfaces: median distance of the middle one of three neighbours from the line

@@ -12,6 +12,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -167,7 +168,7 @@ MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2
     result.doubt = Doubt::kFewPoints;
   }
   if (result.accepted) s.doubt(result, points);
-  s.estimate.take(result, is_matched, points_m, [&](const Pose2& pose, const Pose2& matched) {
+  s.estimate.take(result, is_matched, keep_scan(points_m), [&](const Pose2& pose, const Pose2& matched) {
     return fits_about_as_well(s.map->field, points, pose, matched);
   });
   if (is_matched) s.patience.take(result.accepted);

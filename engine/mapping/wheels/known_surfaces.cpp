@@ -19,28 +19,29 @@ std::int64_t grid_coordinate(double metres) { return static_cast<std::int64_t>(s
 }  // namespace
 
 void KnownSurfaces::add(std::span<const Point2> points_base_m, const Pose2& T_map_base) {
+  const PointMotion in_map(T_map_base);
   for (const Point2& point : points_base_m) {
-    const Point2 there = T_map_base * point;
-    const std::uint64_t key = cell_key(grid_coordinate(there.x()), grid_coordinate(there.y()));
-    cells_.emplace(key, keyframes_);
-    next_.emplace(key, keyframes_);
+    const Point2 there = in_map(point);
+    add_cell(grid_coordinate(there.x()), grid_coordinate(there.y()), cells_);
+    add_cell(grid_coordinate(there.x()), grid_coordinate(there.y()), next_);
   }
   ++keyframes_;
+}
+
+// Keyframes come in order, so the first one to reach a cell stays.
+void KnownSurfaces::add_cell(std::int64_t x, std::int64_t y, Cells& cells) const {
+  Known& here = cells.try_emplace(cell_key(x, y), Known{keyframes_}).first->second;
+  if (std::exchange(here.has_return, true)) return;
+  for (std::int64_t dy = -1; dy <= 1; ++dy) {
+    for (std::int64_t dx = -1; dx <= 1; ++dx) cells.try_emplace(cell_key(x + dx, y + dy), Known{keyframes_});
+  }
 }
 
 void KnownSurfaces::begin_stretch() { cells_ = std::exchange(next_, {}); }
 
 std::optional<std::size_t> KnownSurfaces::first_near(const Point2& point_map_m) const {
-  const std::int64_t x = grid_coordinate(point_map_m.x());
-  const std::int64_t y = grid_coordinate(point_map_m.y());
-  std::optional<std::size_t> first;
-  for (std::int64_t dy = -1; dy <= 1; ++dy) {
-    for (std::int64_t dx = -1; dx <= 1; ++dx) {
-      const auto cell = cells_.find(cell_key(x + dx, y + dy));
-      if (cell != cells_.end()) first = std::min(first.value_or(cell->second), cell->second);
-    }
-  }
-  return first;
+  const auto cell = cells_.find(cell_key(grid_coordinate(point_map_m.x()), grid_coordinate(point_map_m.y())));
+  return cell != cells_.end() ? std::optional(cell->second.first) : std::nullopt;
 }
 
 std::size_t KnownSurfaces::first_seen(const Point2& point_map_m) const { return first_near(point_map_m).value(); }
@@ -62,9 +63,10 @@ std::vector<Point2> KnownSurfaces::without_wall_ends(std::span<const Point2> poi
 }
 
 KeptScan KnownSurfaces::known_part(const KeptScan& scan, const Pose2& T_map_base) const {
+  const PointMotion in_map(T_map_base);
   const auto select_known = [&](const auto& points) {
     auto known = points;
-    std::erase_if(known, [&](const auto& p) { return !first_near(T_map_base * p.point()); });
+    std::erase_if(known, [&](const auto& p) { return !first_near(in_map(p.point())); });
     return known;
   };
   return {.surface = select_known(scan.surface),

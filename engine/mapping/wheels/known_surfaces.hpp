@@ -32,7 +32,13 @@ class KnownSurfaces {
   [[nodiscard]] std::size_t first_seen(const Point2& point_map_m) const;
 
  private:
-  using Cells = std::unordered_map<std::uint64_t, std::size_t>;  // the first keyframe in each cell
+  // The first keyframe with a return in the cell or beside it.
+  struct Known {
+    std::size_t first = 0;
+    bool has_return = false;  // in the cell itself
+  };
+  using Cells = std::unordered_map<std::uint64_t, Known>;
+  void add_cell(std::int64_t x, std::int64_t y, Cells& cells) const;
   // True if a wall through this point along `direction` (of length 1) is known half a metre to both sides.
   [[nodiscard]] bool goes_on(const Point2& point_map_m, const Point2& direction) const;
   [[nodiscard]] std::optional<std::size_t> first_near(const Point2& point_map_m) const;

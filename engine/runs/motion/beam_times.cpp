@@ -32,14 +32,14 @@ constexpr int kHalvings = 4;          // halvings of that step: to a 32nd of a p
 constexpr double kFewestLaid = 15.0;  // least points to match a scan with another
 constexpr double kHold = 0.01;        // information of a point along directions without a surface
 
-KeptScan swept(LaserScan scan, double sweep_s, const ScanConfig& valid) {
+LineScan swept(LaserScan scan, double sweep_s, const ScanConfig& valid) {
   scan.first_beam_after_s = -0.5 * sweep_s;
   scan.beam_period_s = sweep_s / std::max(1.0, static_cast<double>(scan.ranges_m.size()) - 1.0);
-  return keep_scan(to_points(scan, valid));
+  return LineScan(keep_scan(to_points(scan, valid)));
 }
 
 // Weighted share of the points of one scan that lie on the surfaces of the other after matching.
-double share_laid(const KeptScan& fixed, const KeptScan& moving, Pose2 T_fixed_moving) {
+double share_laid(const LineScan& fixed, const LineScan& moving, Pose2 T_fixed_moving) {
   constexpr LineGate kWide{.most_m = 0.3};
   constexpr LineGate kNarrow{};
   constexpr int kSteps = 3;  // with each
@@ -50,8 +50,8 @@ double share_laid(const KeptScan& fixed, const KeptScan& moving, Pose2 T_fixed_m
     const Tangent2 back = inverse(lines.information + Matrix3::diagonal(hold, hold, hold)) * lines.gradient;
     T_fixed_moving = T_fixed_moving * exp_tangent({-back[0], -back[1], -back[2]});
   }
-  const std::size_t every = std::max<std::size_t>(1, moving.surface.size() / kNarrow.points);
-  const std::size_t taken = (moving.surface.size() + every - 1) / every;
+  const std::size_t every = std::max<std::size_t>(1, moving.size() / kNarrow.points);
+  const std::size_t taken = (moving.size() + every - 1) / every;
   return line_equations(fixed, moving, T_fixed_moving, kNarrow).weight / static_cast<double>(taken);
 }
 

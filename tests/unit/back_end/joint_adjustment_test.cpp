@@ -14,8 +14,8 @@
 namespace gdtslam {
 namespace {
 
-KeptScan seen_from(const Pose2& T_map_base) {
-  return keep_scan(to_points(test::scan_of(test::furnished_room(), T_map_base, 0.0, 360), {}));
+LineScan seen_from(const Pose2& T_map_base) {
+  return LineScan(keep_scan(to_points(test::scan_of(test::furnished_room(), T_map_base, 0.0, 360), {})));
 }
 
 double away_m(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
@@ -23,7 +23,7 @@ double away_m(const Pose2& a, const Pose2& b) { return (a.translation() - b.tran
 /// A drive of keyframes about 0.2 m or 12 degrees apart.
 struct PairedDrive {
   std::vector<Pose2> truth;
-  std::vector<KeptScan> scans;
+  std::vector<LineScan> scans;
 };
 PairedDrive keyframes() {
   PairedDrive drive;
@@ -38,20 +38,20 @@ PairedDrive keyframes() {
 // The derivative of the cost by each of the three motions, against differences of the cost itself.
 TEST(LineEquations, TheGradientIsThatOfTheDistances) {
   const Pose2 at{1.0, 0.2, 0.3};
-  const KeptScan fixed = seen_from(at);
+  const LineScan fixed = seen_from(at);
   const Pose2 there = at * Pose2{0.15, -0.05, 0.08};
-  const KeptScan moving = seen_from(there);
+  const LineScan moving = seen_from(there);
   const LineGate gate{.most_m = 0.3, .points = 1000};  // so wide that a few millimetres count as their squares
   const Pose2 off = between(at, there) * exp_se2({0.004, -0.003, 0.002});
   const LineEquations lines = line_equations(fixed, moving, off, gate);
   ASSERT_GT(lines.weight, 100.0);
   for (int k = 0; k < 3; ++k) {
     Tangent2 step{};
-    step[static_cast<std::size_t>(k)] = 1.0e-5;
+    step[static_cast<std::size_t>(k)] = 1.0e-4;  // far above what float32 resolves
     const Tangent2 back{-step[0], -step[1], -step[2]};
     const double up = line_equations(fixed, moving, off * exp_tangent(step), gate).cost_m2;
     const double down = line_equations(fixed, moving, off * exp_tangent(back), gate).cost_m2;
-    EXPECT_NEAR(lines.gradient[static_cast<std::size_t>(k)], 0.5 * (up - down) / 2.0e-5,
+    EXPECT_NEAR(lines.gradient[static_cast<std::size_t>(k)], 0.5 * (up - down) / 2.0e-4,
                 0.02 * std::fabs(lines.gradient[static_cast<std::size_t>(k)]) + 1.0e-3);
   }
 }
@@ -59,7 +59,7 @@ TEST(LineEquations, TheGradientIsThatOfTheDistances) {
 TEST(LineEquations, OppositeFacesOfAWallDoNotMeet) {
   std::vector<Point2> wall;
   for (int k = 0; k < 50; ++k) wall.emplace_back(1.0, -1.0 + 0.04 * k);
-  const KeptScan this_side = keep_scan(wall);
+  const LineScan this_side(keep_scan(wall));
   const Pose2 from_behind{2.0, 0.0, 3.14159265358979};
   EXPECT_GT(line_equations(this_side, this_side, {}, {}).weight, 40.0);
   EXPECT_EQ(line_equations(this_side, this_side, from_behind, {}).weight, 0.0);
@@ -102,16 +102,17 @@ KeptScan corridor_with_tilted_normals() {
 }
 
 TEST(JointAdjustment, TiltedNormalsPullNothingAlongACorridor) {
-  const std::vector<KeptScan> scans(6, corridor_with_tilted_normals());
+  const std::vector<LineScan> scans(6, LineScan(corridor_with_tilted_normals()));
+  constexpr double kApart_m = 0.031;  // no sum of steps lies midway between two points
   std::vector<Pose2> poses;
   std::vector<PoseRelation> held;
-  for (std::size_t i = 0; i < scans.size(); ++i) poses.push_back({0.03 * static_cast<double>(i), 0.0, 0.0});
+  for (std::size_t i = 0; i < scans.size(); ++i) poses.push_back({kApart_m * static_cast<double>(i), 0.0, 0.0});
   for (std::size_t i = 1; i < scans.size(); ++i) {
-    held.push_back({i - 1, i, {0.03, 0.0, 0.0}, Matrix3::diagonal(1.0e3, 1.0e3, 1.0e3)});  // 3 cm
+    held.push_back({i - 1, i, {kApart_m, 0.0, 0.0}, Matrix3::diagonal(1.0e3, 1.0e3, 1.0e3)});  // 3 cm
   }
   WorkerPool alone(1);
   JointAdjustment(scans, held, {}).run(poses, alone);
-  EXPECT_NEAR(between(poses.front(), poses.back()).x_m, 0.15, 1.0e-6);
+  EXPECT_NEAR(between(poses.front(), poses.back()).x_m, 5.0 * kApart_m, 1.0e-6);
 }
 
 TEST(JointAdjustment, TheFirstKeyframeStays) {
@@ -174,7 +175,7 @@ TEST(ScanAdjustment, PutsAScanBetweenItsKeyframes) {
   const std::vector<Pose2> poses = test::drive_through_room();
   for (std::size_t i = 1; i < poses.size(); i += 7) {
     const Pose2 off = poses[i] * Pose2{0.012, -0.009, 0.006};
-    const Pose2 adjusted = adjustment.adjusted(seen_from(poses[i]), off, i / 3, i % 3 == 0);
+    const Pose2 adjusted = adjustment.adjusted(seen_from(poses[i]), off, i / 3);
     EXPECT_LT(away_m(adjusted, poses[i]), 0.5 * away_m(off, poses[i])) << i << ": a third is held by the pose given";
   }
 }

@@ -48,8 +48,8 @@ MeasuredSteps steps_of(const std::vector<Point2>& points, const MatchResult& sec
   first.merged = true;
   std::vector<Point2> from_first;
   for (const Point2& point : points) from_first.push_back(second.T_map_base * point);
-  back_end.take(from_first, first);
-  back_end.take(points, second);
+  back_end.take(keep_scan(from_first), first);
+  back_end.take(keep_scan(points), second);
   (void)back_end.loops().end([](double) {});
   return back_end.loops().path().steps.at(1);
 }
@@ -110,8 +110,8 @@ TEST(KeyframeSteps, AWallThatIsSeenForTheFirstTimeTellsNothing) {
     std::vector<Point2> before;
     for (const Point2& point : was_seen ? corridor : bare)
       before.emplace_back(point.x() + (was_seen ? 1.0 : 0.0), point.y());
-    once.take(before, first);
-    once.take(corridor, metre_on(0.1, 0.001));
+    once.take(keep_scan(before), first);
+    once.take(keep_scan(corridor), metre_on(0.1, 0.001));
     (void)once.loops().end([](double) {});
     const double unseen_m = std::sqrt(by_match(once.loops().path().steps.at(1)).unseen(0, 0));
     EXPECT_NEAR(unseen_m, was_seen ? 0.0 : 0.1, 0.005);

@@ -131,7 +131,7 @@ class FiveRounds : public testing::Test {
       result.accepted = true;
       result.merged = i % kEveryOther != 3;
       last = result.T_map_base;
-      back_end.take(to_points(drive().path.scans[i]), result);
+      back_end.take(drive().path.scans[i], result);
     }
   }
   static void take_all(BackEnd& back_end) { take(back_end, drive().truth.size()); }

@@ -107,7 +107,7 @@ std::vector<Pose2> path_with(const BackEndOptions& options, std::vector<std::str
   const std::vector<Pose2> odometry = test::odometry_short_by_a_tenth(truth);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const LaserScan scan = test::scan_of(test::furnished_room(), truth[i], 0.1 * static_cast<double>(i));
-    back_end.take(to_points(scan, {}), mapper.process(scan, odometry[i]));
+    back_end.take(keep_scan(to_points(scan, {})), mapper.process(scan, odometry[i]));
   }
   return back_end.finish([](std::string_view, double) {}).poses;
 }

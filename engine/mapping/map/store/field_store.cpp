@@ -123,11 +123,13 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
   const std::span<std::uint16_t> before = memory_;
   const CellBox from = std::exchange(tiles_, tiles);
   const auto rows = static_cast<std::size_t>(from.height());
+  std::vector<std::size_t> moved;
   for (std::size_t tile = 0; tile < known_.size(); ++tile) {
     if (known_[tile]) {
       const std::size_t to = tile_index(
           from.min + CellOffset{static_cast<std::int32_t>(tile / rows), static_cast<std::int32_t>(tile % rows)});
       known[to] = true;
+      moved.push_back(to);
       const auto cells = before.subspan(tile * kTileOfStripCells, kTileOfStripCells);
       std::copy(cells.begin(), cells.end(), memory.begin() + static_cast<std::ptrdiff_t>(to * kTileOfStripCells));
     }
@@ -142,9 +144,7 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
   layout_.strip = static_cast<std::uint32_t>(static_cast<std::size_t>(tiles.height()) * kTileOfStripCells);
   memory_ = memory;
   buffer_ = std::move(buffer);
-  for (std::size_t tile = 0; tile < known_.size(); ++tile) {
-    if (known_[tile]) repeat_first_cells(tile);
-  }
+  for (const std::size_t tile : moved) repeat_first_cells(tile);
 }
 
 // The first cells of a tile are repeated behind those of the strip to its left.

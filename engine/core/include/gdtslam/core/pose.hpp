@@ -21,6 +21,23 @@ struct Pose2 {
   friend bool operator==(const Pose2&, const Pose2&) = default;
 };
 
+/// A motion for many points, with its sine and cosine; the bits of T_a_b * point.
+class PointMotion {
+ public:
+  explicit PointMotion(const Pose2& T_a_b);
+  /// The point of frame b in frame a.
+  Point2 operator()(const Point2& point_b) const { return translation_ + turned(point_b); }
+  /// The vector of frame b in frame a.
+  [[nodiscard]] Point2 turned(const Point2& vector_b) const {
+    return {cos_ * vector_b.x() - sin_ * vector_b.y(), sin_ * vector_b.x() + cos_ * vector_b.y()};
+  }
+
+ private:
+  Point2 translation_;
+  double sin_ = 0.0;
+  double cos_ = 1.0;
+};
+
 /// T_a_c = T_a_b * T_b_c, paper equation (3).
 Pose2 operator*(const Pose2& T_a_b, const Pose2& T_b_c);
 /// The point of frame b in frame a.

@@ -109,6 +109,8 @@ struct ClosedKeyframes {
   Pose2 T_closed_front;           ///< carries later poses of the mapper into the same frame
 };
 
+struct KeptScan;
+
 /// The part of a Mapper that closes loops: Mapper::loops().
 class LoopClosing {
  public:
@@ -126,7 +128,7 @@ class LoopClosing {
 
   /// Takes the mapper's next scan. Rethrows exceptions of the search for loops. Waits for the search if it is more than
   /// eight places, 32 m of path, behind.
-  void take(std::span<const Point2> points_base_m, const MatchResult& result);
+  void take(const KeptScan& scan, const MatchResult& result);
 
   /// Correction for controllers during mapping: T_closed_front * MatchResult::T_map_base is the pose with the loops
   /// found so far closed. It leaps when a loop takes effect; the mapper's poses do not. A loop found at a place takes
