@@ -1,6 +1,7 @@
 #include "loop_finder.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -19,6 +20,10 @@ constexpr double kLeastPrior_rad = 0.005;
 constexpr std::size_t kAheadAThread = 4;  // places searched ahead, before it is known whether the graph stays
 constexpr double kNearWindow_m = 0.8;     // half windows that are cheap to prepare for
 constexpr double kNearWindow_rad = 0.5;
+// A window that is at most so much wider than an earlier one, and its centre at most this share of that away, holds no
+// other answer.
+constexpr double kAsWide = 1.05;
+constexpr double kAsFar = 1.0 / 3.0;
 constexpr double kElsewhere_m = 1.0;  // poses this near the best one, with a similar heading, are the same answer
 constexpr double kElsewhere_rad = 0.35;
 constexpr double kAsGoodChi2 = 16.0;  // a pose that costs no more than this above the best one may be right as well
@@ -232,6 +237,18 @@ std::vector<bool> LoopFinder::left_out_before(std::size_t here) const {
   return left_out;
 }
 
+// True if a search found nothing in about this window.
+bool LoopFinder::was_in_vain(const Revisit& revisit, std::size_t here) const {
+  const auto before = in_vain_.find({revisit.place, here});
+  if (before == in_vain_.end()) return false;
+  const double half_m = options_.revisits.half_m(before->second);
+  const double half_rad = options_.revisits.half_rad(before->second);
+  const Pose2 moved = between(before->second.T_place_here, revisit.T_place_here);
+  return options_.revisits.half_m(revisit) < kAsWide * half_m &&
+         options_.revisits.half_rad(revisit) < kAsWide * half_rad && translation_length(moved) < kAsFar * half_m &&
+         std::fabs(moved.theta_rad) < kAsFar * half_rad;
+}
+
 std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const {
   if (here < is_left_out_.size() && is_left_out_[here]) return {};
   if (!have_points(keyframes_, places_[here], options_.query_half_m)) return {};
@@ -244,6 +261,7 @@ std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::si
       return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on() && !loop.is_ambiguous;
     });
   });
+  std::erase_if(revisits, [&](const Revisit& revisit) { return was_in_vain(revisit, here); });
   return revisits;
 }
 
@@ -285,7 +303,10 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
     take_reference(found);
     ++counts_.searched;
     counts_.boxes += found.boxes;
-    if (!is_possible(found.evidence, options_.limits)) continue;
+    if (!is_possible(found.evidence, options_.limits)) {
+      in_vain_.insert_or_assign({found.revisit.place, here}, found.revisit);
+      continue;
+    }
     ++counts_.found;
     loops.push_back({.relation = {found.revisit.place, here, found.T_place_here, found_information(found)},
                      .is_ambiguous = found.T_otherwise.has_value()});

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "engine/core/worker_pool.hpp"
@@ -59,7 +60,8 @@ class LoopFinder {
   void add_place(std::size_t keyframe);
   /// Leaves a place out of all further searches, because its scans are gone.
   void leave_out(std::size_t place);
-  /// Finds loops from a place to earlier ones that the graph lacks or has switched off. The graph's nodes are the
+  /// Finds loops from a place to earlier ones that the graph lacks or has switched off, except where a search in about
+  /// the same window found none. The graph's nodes are the
   /// places. The workers share the earlier places; only the `most` likeliest are searched.
   std::vector<Loop> look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers);
   /// Searches at the places from `first` to before `end`, in order, and gives the loops of each to take_loops(), which
@@ -76,6 +78,7 @@ class LoopFinder {
   struct Fresh;
   struct Found;
   std::vector<Found> look_ahead(const PoseGraph& graph, std::size_t here);
+  [[nodiscard]] bool was_in_vain(const Revisit& revisit, std::size_t here) const;
   [[nodiscard]] std::vector<Revisit> wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const;
   [[nodiscard]] std::vector<bool> left_out_before(std::size_t here) const;
   [[nodiscard]] ScanGroup query_at(std::size_t here) const;
@@ -101,6 +104,7 @@ class LoopFinder {
   std::uint64_t asked_ = 0;  // number of requests for references so far
   std::uint64_t made_ = 0;   // number of fields made so far
   LoopCounts counts_;
+  std::map<std::pair<std::size_t, std::size_t>, Revisit> in_vain_;  // by the two places: the last search without result
 };
 
 }  // namespace gdtslam

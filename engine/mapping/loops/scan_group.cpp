@@ -21,6 +21,8 @@ Matrix3 propagated(const Matrix3& gain, const Matrix3& covariance) { return gain
 
 constexpr double kBent_m = 0.02;
 constexpr double kBent_rad = 0.003;
+constexpr double kSeesTheSame_m = 0.5;  // another keyframe this near adds little to a group
+constexpr double kSeesTheSame_rad = 0.5;
 constexpr std::size_t kMostToASide = 80;  // keyframes: a robot that turns on the spot makes many without travelling
 
 std::pair<std::size_t, std::size_t> find_stretch(std::span<const double> path_m, std::size_t middle, double half_m) {
@@ -41,6 +43,13 @@ std::vector<std::size_t> from_middle(std::size_t first, std::size_t middle, std:
     if (middle + away <= last) order.push_back(middle + away);
   }
   return order;
+}
+
+bool is_beside_any(const std::vector<Pose2>& taken, const Pose2& pose) {
+  return std::any_of(taken.begin(), taken.end(), [&](const Pose2& other) {
+    const Pose2 off = between(other, pose);
+    return translation_length(off) < kSeesTheSame_m && std::fabs(off.theta_rad) < kSeesTheSame_rad;
+  });
 }
 
 MapperConfig field_config(double resolution_m) {
@@ -106,7 +115,10 @@ ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double h
     in_middle_.push_back(between(keyframes.poses[middle], keyframes.poses[i]));
   }
   std::vector<std::vector<Point2>> of_keyframes(in_middle_.size());
+  std::vector<Pose2> taken;
   for (const std::size_t i : from_middle(first, middle, last)) {
+    if (is_beside_any(taken, in_middle_[i - first])) continue;
+    taken.push_back(in_middle_[i - first]);
     const KeptScan& scan = keyframes.scans[i];
     const Pose2& T = in_middle_[i - first];
     const PointMotion in_middle(T);

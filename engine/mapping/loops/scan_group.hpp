@@ -79,7 +79,8 @@ bool have_points(const KeyframePath& keyframes, std::size_t middle, double half_
 
 class ScanGroup {
  public:
-  /// Takes the keyframes within half_m of path of the middle one, thinned to a point a cell of `spacing_m`.
+  /// Takes the keyframes within half_m of path of the middle one, one of those that lie beside each other, thinned to a
+  /// point a cell of `spacing_m`.
   ScanGroup(const KeyframePath& keyframes, std::size_t middle, double half_m, double spacing_m);
 
   /// True if the keyframes have moved relative to each other since the group was made, by more than the distance field
