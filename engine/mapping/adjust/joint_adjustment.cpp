@@ -10,6 +10,8 @@
 namespace gdtslam {
 namespace {
 
+constexpr double kHardly_m = 0.0005;  // motion of a pair within which its lines are kept
+constexpr double kHardly_rad = 0.0002;
 constexpr double kFewestLaid = 15.0;       // points needed to match a scan with another
 constexpr std::size_t kPairsAtOnce = 512;  // pairs matched by the workers before they are added up
 
@@ -61,6 +63,15 @@ JointAdjustment::JointAdjustment(const std::vector<LineScan>& scans, std::vector
                                  const JointOptions& options)
     : scans_(scans), held_(std::move(held)), options_(options) {}
 
+/// The equations of a scan on the lines of another, where they were built last.
+struct JointAdjustment::Built {
+  Pose2 T_fixed_moving;
+  double gate_m = 0.0;  ///< 0: not built yet
+  double weight = 0.0;
+  double cost_m2 = 0.0;
+  Belief belief;
+};
+
 // The equations of all pairs, and of a core of them. A place that was passed often has dozens of keyframes beside each
 // other, so a factor of the whole would grow with the square of the passes. The core has few pairs a keyframe and a
 // small factor, and resembles the whole so well that some thirty conjugate gradients solve it.
@@ -76,6 +87,7 @@ class JointAdjustment::Systems {
     core_.emplace(make_system(core, held, keyframes));
     factor_.emplace(*core_);
     both_ = {&whole_, &*core_};
+    built_.resize(pairs_.size());
   }
   Systems(const Systems&) = delete;
   Systems& operator=(const Systems&) = delete;
@@ -85,6 +97,8 @@ class JointAdjustment::Systems {
   [[nodiscard]] std::span<BlockSystem* const> of_pair(std::size_t pair) const {
     return std::span(both_).first(is_of_core_[pair] ? 2 : 1);
   }
+  /// The equations of a pair, to its earlier keyframe and back.
+  [[nodiscard]] std::array<Built, 2>& built(std::size_t pair) { return built_[pair]; }
   [[nodiscard]] std::span<BlockSystem* const> all() const { return both_; }
   /// Moves the poses by the solution, see take_step_by_core().
   double step(std::vector<Pose2>& poses) { return take_step_by_core(whole_, *core_, *factor_, poses); }
@@ -114,6 +128,7 @@ class JointAdjustment::Systems {
   std::optional<BlockSystem> core_;
   std::optional<BlockCholesky> factor_;  // factor of the core's equations
   std::array<BlockSystem*, 2> both_{};
+  std::vector<std::array<Built, 2>> built_;
 };
 
 /// Contribution of one scan matched with another to the equations.
@@ -139,24 +154,31 @@ struct JointAdjustment::OneWay {
 // Motions of the moving scan are tangents on its right; a motion of the fixed scan is, seen from the moving one, the
 // opposite motion carried over.
 JointAdjustment::OneWay JointAdjustment::one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
-                                                 const LineGate& gate) const {
+                                                 const LineGate& gate, Built& built) const {
   const Pose2 T_fixed_moving = between(poses[fixed], poses[moving]);
-  const LineEquations lines = line_equations(scans_[fixed], scans_[moving], T_fixed_moving, gate);
-  if (lines.weight < kFewestLaid) return {};
+  Tangent2 moved = log_tangent(between(built.T_fixed_moving, T_fixed_moving));
+  if (built.gate_m != gate.most_m || std::max(std::fabs(moved[0]), std::fabs(moved[1])) > kHardly_m ||
+      std::fabs(moved[2]) > kHardly_rad) {
+    const LineEquations lines = line_equations(scans_[fixed], scans_[moving], T_fixed_moving, gate);
+    built = {T_fixed_moving, gate.most_m, lines.weight, lines.cost_m2,
+             lines.weight < kFewestLaid ? Belief{} : belief_in(lines)};
+    moved = {};
+  }
+  if (built.weight < kFewestLaid) return {};
   const double weight = options_.independent / (options_.point_noise_m * options_.point_noise_m);
   const Matrix3 by_fixed = -1.0 * adjoint_matrix(inverse(T_fixed_moving));
-  const Belief belief = belief_in(lines);
-  const Matrix3 information = weight * belief.information;
+  const Matrix3 information = weight * built.belief.information;
   const Matrix3 cross = information * by_fixed;
-  const Tangent2 pull{weight * belief.gradient[0], weight * belief.gradient[1], weight * belief.gradient[2]};
+  Tangent2 pull = information * moved;
+  for (std::size_t k = 0; k < pull.size(); ++k) pull[k] += weight * built.belief.gradient[k];
   return {.is_laid = true,
           .of_moving = information,
           .of_fixed = transposed_times(by_fixed, cross),
           .cross = cross,
           .pull_on_moving = pull,
           .pull_on_fixed = transposed(by_fixed) * pull,
-          .weight = lines.weight,
-          .cost_m2 = lines.cost_m2};
+          .weight = built.weight,
+          .cost_m2 = built.cost_m2};
 }
 
 // Workers match the scans; one thread adds up the results, in the order of the pairs.
@@ -170,7 +192,8 @@ LineEquations JointAdjustment::lay_pairs(const LineGate& gate, Systems& systems,
     workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const auto& [from, to] = pairs[first + k];
-        laid[k] = {one_way(from, to, poses, gate), one_way(to, from, poses, gate)};
+        auto& [there, back] = systems.built(first + k);
+        laid[k] = {one_way(from, to, poses, gate, there), one_way(to, from, poses, gate, back)};
       }
     });
     for (std::size_t k = 0; k < count; ++k) {
@@ -205,13 +228,11 @@ double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<P
 JointResult JointAdjustment::run(std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress) const {
   JointResult result;
   if (poses.size() < 2) return result;
-  std::optional<Systems> systems;
+  Systems systems(find_pairs(poses), held_, scans_.size());
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
-    if (step % options_.pairs_every == 0) systems.emplace(find_pairs(poses), held_, scans_.size());
-    result.largest_step_m = take_step(gate_m, *systems, poses, workers, result);
-    const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;
-    if (is_still && step >= options_.pairs_every) break;
+    result.largest_step_m = take_step(gate_m, systems, poses, workers, result);
+    if (result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m) break;
     gate_m = std::max(options_.last_gate_m, options_.narrowing * gate_m);
     progress(static_cast<double>(step + 1) / static_cast<double>(options_.iterations));
   }
