@@ -85,10 +85,10 @@ struct IsaFunctions {
                      const PoseSlope::Pose&, double* totals);
   void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose&, std::uint16_t* values);
-  void (*find_lines)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Surface& points,
+  void (*find_lines)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Point* points,
                      std::int32_t* found);
   /// totals: PointToLine::kSums values.
-  void (*line_slope)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Surface& points,
+  void (*line_slope)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Point* points,
                      const std::int32_t* found, double* totals);
 };
 

@@ -32,12 +32,12 @@ PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const 
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose& pose, std::uint16_t* values);
 
-/// The line of each point taken, or PointToLine::kNone; lines and points with at least kCandidates entries.
+/// The line of each point taken, or PointToLine::kNone; at least kCandidates lines.
 void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                     const PointToLine::Surface& points, std::int32_t* found);
+                     const PointToLine::Point* points, std::int32_t* found);
 /// Normal equations of the points on the lines found.
 PointToLine::Sums line_slope_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                                  const PointToLine::Surface& points, const std::int32_t* found);
+                                  const PointToLine::Point* points, const std::int32_t* found);
 
 /// Sums of `count` tiles of boxes, tile_width * tile_height each.
 void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,

@@ -10,8 +10,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kHardly_m = 0.0005;  // motion of a pair within which its lines are kept
-constexpr double kHardly_rad = 0.0002;
+constexpr double kHardly_m = 0.001;  // motion of a pair within which its lines are kept
+constexpr double kHardly_rad = 0.0004;
 constexpr double kFewestLaid = 15.0;       // points needed to match a scan with another
 constexpr std::size_t kPairsAtOnce = 512;  // pairs matched by the workers before they are added up
 
@@ -93,15 +93,23 @@ class JointAdjustment::Systems {
   Systems& operator=(const Systems&) = delete;
 
   [[nodiscard]] const std::vector<KeyframePair>& pairs() const { return pairs_; }
-  /// Systems that contain a pair.
+  /// Empties the systems of a step; the core's factor is made once for each gate.
+  void begin(double gate_m) {
+    is_core_new_ = std::exchange(core_gate_m_, gate_m) != gate_m;
+    for (BlockSystem* system : all()) system->clear();
+  }
+  /// Systems of this step that contain a pair.
   [[nodiscard]] std::span<BlockSystem* const> of_pair(std::size_t pair) const {
-    return std::span(both_).first(is_of_core_[pair] ? 2 : 1);
+    return is_of_core_[pair] ? all() : all().first(1);
   }
   /// The equations of a pair, to its earlier keyframe and back.
   [[nodiscard]] std::array<Built, 2>& built(std::size_t pair) { return built_[pair]; }
-  [[nodiscard]] std::span<BlockSystem* const> all() const { return both_; }
+  [[nodiscard]] std::span<BlockSystem* const> all() const { return std::span(both_).first(is_core_new_ ? 2 : 1); }
   /// Moves the poses by the solution, see take_step_by_core().
-  double step(std::vector<Pose2>& poses) { return take_step_by_core(whole_, *core_, *factor_, poses); }
+  double step(std::vector<Pose2>& poses) {
+    if (is_core_new_ && !factorise_core(*core_, *factor_)) return -1.0;
+    return take_step_by_core(whole_, *factor_, poses);
+  }
 
  private:
   static BlockSystem make_system(const std::vector<KeyframePair>& pairs, const std::vector<PoseRelation>& held,
@@ -129,6 +137,8 @@ class JointAdjustment::Systems {
   std::optional<BlockCholesky> factor_;  // factor of the core's equations
   std::array<BlockSystem*, 2> both_{};
   std::vector<std::array<Built, 2>> built_;
+  double core_gate_m_ = 0.0;  // gate of the core's factor
+  bool is_core_new_ = false;
 };
 
 /// Contribution of one scan matched with another to the equations.
@@ -214,7 +224,7 @@ LineEquations JointAdjustment::lay_pairs(const LineGate& gate, Systems& systems,
 
 double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, WorkerPool& workers,
                                   JointResult& result) const {
-  for (BlockSystem* system : systems.all()) system->clear();
+  systems.begin(gate_m);
   const LineGate gate{.most_m = gate_m, .points = options_.points};
   const LineEquations total = lay_pairs(gate, systems, poses, workers);
   for (BlockSystem* system : systems.all()) {

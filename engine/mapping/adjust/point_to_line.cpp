@@ -33,15 +33,12 @@ PointToLine::Params params_for(const LineScan& moving, const Pose2& T, const Lin
 // Directions up to half a beam beyond the first and the last are in view.
 LineScan::LineScan(std::span<const SurfacePoint> surface) : size_(surface.size()) {
   const std::size_t count = std::max<std::size_t>(size_, PointToLine::kCandidates);
-  values_.resize(4 * count);
-  float* const x = values_.data();
+  points_.resize(count, {.x = kFarAway_m, .y = kFarAway_m});
+  places_.resize(2 * count, kFarAway_m);
   for (std::size_t i = 0; i < size_; ++i) {
-    x[i] = surface[i].x_m;
-    x[count + i] = surface[i].y_m;
-    x[2 * count + i] = surface[i].normal_x;
-    x[3 * count + i] = surface[i].normal_y;
+    const SurfacePoint& p = surface[i];
+    points_[i] = {places_[i] = p.x_m, places_[count + i] = p.y_m, p.normal_x, p.normal_y};
   }
-  std::fill(x + size_, x + count, kFarAway_m);
   constexpr std::size_t kMost = std::numeric_limits<std::uint16_t>::max();
   std::size_t at = 0;
   for (std::size_t bin = 0; bin < first_.size(); ++bin) {
@@ -54,10 +51,10 @@ LineScan::LineScan(std::span<const SurfacePoint> surface) : size_(surface.size()
   high_ = surface[size_ - 1].direction + 0.5F * (surface[size_ - 1].direction - surface[size_ - 2].direction);
 }
 
-PointToLine::Surface LineScan::points() const {
-  const std::size_t count = values_.size() / 4;
-  const float* const x = values_.data();
-  return {x, x + count, x + 2 * count, x + 3 * count, static_cast<std::int32_t>(count)};
+PointToLine::Lines LineScan::lines() const {
+  const std::size_t count = points_.size();
+  return {points_.data(), places_.data(), places_.data() + count, static_cast<std::int32_t>(count), first_.data(),
+          low_,           high_};
 }
 
 void find_lines(const LineScan& fixed, const LineScan& moving, const Pose2& T_fixed_moving, const LineGate& gate,

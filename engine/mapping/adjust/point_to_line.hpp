@@ -30,7 +30,7 @@ struct LineEquations {
   double cost_m2 = 0.0;
 };
 
-/// The surface points of a scan, as points and as lines for those of others: 16 bytes a point, and half a kilobyte. A
+/// The surface points of a scan, as points and as lines for those of others: 24 bytes a point, and half a kilobyte. A
 /// point beyond the field of view is on no line: the line of the last beam has its normal from one side alone, tilted
 /// by that beam's own noise. Points beyond it would pull scans onto each other, by 0.1 per cent of the way along a
 /// corridor.
@@ -40,12 +40,13 @@ class LineScan {
   explicit LineScan(const KeptScan& scan) : LineScan(scan.surface) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] PointToLine::Surface points() const;
-  [[nodiscard]] PointToLine::Lines lines() const { return {points(), first_.data(), low_, high_}; }
+  [[nodiscard]] const PointToLine::Point* points() const { return points_.data(); }
+  [[nodiscard]] PointToLine::Lines lines() const;
 
  private:
   std::size_t size_;
-  std::vector<float> values_;  // all x, all y, and the normals
+  std::vector<PointToLine::Point> points_;
+  std::vector<float> places_;  // all x, all y
   std::array<std::uint16_t, PointToLine::kBins> first_{};
   float low_ = -2.0F;
   float high_ = 2.0F;

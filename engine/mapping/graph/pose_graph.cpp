@@ -143,11 +143,13 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
   subtract(system.right[relation.from], transposed(by_from) * pull);
 }
 
-double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
-                         std::vector<Pose2>& poses) {
-  hold_first(system);
+bool factorise_core(BlockSystem& core, BlockCholesky& factor) {
   hold_first(core);
-  if (!factor_of_core.factorise(core)) return -1.0;
+  return factor.factorise(core);
+}
+
+double take_step_by_core(BlockSystem& system, const BlockCholesky& factor_of_core, std::vector<Pose2>& poses) {
+  hold_first(system);
   const std::vector<Tangent2> steps = solve_near(system, factor_of_core);
   return steps.empty() ? -1.0 : move_by(steps, poses);
 }

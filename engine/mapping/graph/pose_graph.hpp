@@ -36,9 +36,10 @@ double relation_chi2(const PoseRelation& relation, const Pose2& T_from, const Po
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system);
 /// Moves the poses by the system's solution, the first one held. Returns the largest translation in metres; or a value
 /// below zero if the system has no solution, and the poses stay. The system's own factor would be large, so the factor
-/// of `core` is used, a part of its relations that joins all poses.
-double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
-                         std::vector<Pose2>& poses);
+/// of `core` is used, a part of its relations that joins all poses; it may be that of an earlier step.
+double take_step_by_core(BlockSystem& system, const BlockCholesky& factor_of_core, std::vector<Pose2>& poses);
+/// Factorises such a part, the first pose held. False if it is not positive definite.
+bool factorise_core(BlockSystem& core, BlockCholesky& factor);
 
 /// A loop and its weight, from 0 to 1.
 struct Loop {

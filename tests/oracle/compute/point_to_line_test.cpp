@@ -19,7 +19,8 @@ constexpr auto kFewest = static_cast<std::int32_t>(PointToLine::kCandidates);
 
 /// A surface all around, its points in the order of their bearings.
 struct AllAround {
-  std::vector<float> x, y, normal_x, normal_y;
+  std::vector<PointToLine::Point> points;
+  std::vector<float> x, y;
   std::array<std::uint16_t, PointToLine::kBins> first{};
 
   AllAround(Random& random, std::int32_t count) {
@@ -29,8 +30,8 @@ struct AllAround {
       const double normal = bearing + 3.14159265358979 + random.uniform(-0.5, 0.5);
       x.push_back(static_cast<float>(range_m * std::cos(bearing)));
       y.push_back(static_cast<float>(range_m * std::sin(bearing)));
-      normal_x.push_back(static_cast<float>(std::cos(normal)));
-      normal_y.push_back(static_cast<float>(std::sin(normal)));
+      points.push_back(
+          {x.back(), y.back(), static_cast<float>(std::cos(normal)), static_cast<float>(std::sin(normal))});
     }
     for (std::size_t bin = 0; bin < first.size(); ++bin) {
       std::size_t at = 0;
@@ -43,9 +44,11 @@ struct AllAround {
     const double share = py / (std::fabs(px) + std::fabs(py));
     return px >= 0.0 ? share : (py >= 0.0 ? 2.0 : -2.0) - share;
   }
-  [[nodiscard]] PointToLine::Surface surface() const {
-    return {x.data(), y.data(), normal_x.data(), normal_y.data(), static_cast<std::int32_t>(x.size())};
+  [[nodiscard]] PointToLine::Lines seen_from(float low) const {
+    return {points.data(), x.data(), y.data(), static_cast<std::int32_t>(x.size()), first.data(), low, 2.0F};
   }
+};
+}
 };
 
 struct Turned {
@@ -85,10 +88,10 @@ PointToLine::Sums defined_sums(const AllAround& lines, const AllAround& points, 
     const std::size_t point = static_cast<std::size_t>(i) * at.every;
     const double px = points.x[point];
     const double py = points.y[point];
-    const double nx = lines.normal_x[line];
-    const double ny = lines.normal_y[line];
+    const double nx = lines.points[line].normal_x;
+    const double ny = lines.points[line].normal_y;
     const Turned there = turned(at, px, py);
-    const Turned normal = turned(at, points.normal_x[point], points.normal_y[point]);
+    const Turned normal = turned(at, points.points[point].normal_x, points.points[point].normal_y);
     if (nx * normal.x + ny * normal.y < static_cast<double>(at.least_cosine)) continue;
     const double off = nx * (there.x + static_cast<double>(at.x) - static_cast<double>(lines.x[line])) +
                        ny * (there.y + static_cast<double>(at.y) - static_cast<double>(lines.y[line]));
@@ -123,13 +126,13 @@ TEST(PointsOnLines, AreThoseOfTheirDefinitionOnEveryInstructionSet) {
                                    .every = every,
                                    .point_count = (static_cast<std::uint32_t>(count) + every - 1) / every};
       const float low = -1.0F;
-      const PointToLine::Lines of_scan{lines.surface(), lines.first.data(), low, 2.0F};
+      const PointToLine::Lines of_scan = lines.seen_from(low);
       std::vector<std::int32_t> first_found;
       PointToLine::Sums first_sums{};
       for (const Isa isa : available_isas()) {
         std::vector<std::int32_t> found(at.point_count);
-        find_lines_host(isa, at, of_scan, points.surface(), found.data());
-        const PointToLine::Sums sums = line_slope_host(isa, at, of_scan, points.surface(), found.data());
+        find_lines_host(isa, at, of_scan, points.points.data(), found.data());
+        const PointToLine::Sums sums = line_slope_host(isa, at, of_scan, points.points.data(), found.data());
         if (isa == Isa::kBaseline) {
           for (std::uint32_t i = 0; i < at.point_count; ++i) {
             const std::size_t point = static_cast<std::size_t>(i) * every;

@@ -19,16 +19,18 @@ struct PointToLine {
   static constexpr std::int32_t kBefore = 6;
   static constexpr std::uint32_t kBins = 256;  ///< of pseudo_bearing(), -2 to 2
   static constexpr std::int32_t kNone = -1;    ///< the point is on no line
-  /// Surface points in the order of their directions, padded with points far away to kCandidates.
-  struct Surface {
-    const float* x = nullptr;
-    const float* y = nullptr;
-    const float* normal_x = nullptr;
-    const float* normal_y = nullptr;
-    std::int32_t count = 0;  ///< with the padding
+  struct Point {
+    float x = 0.0F;
+    float y = 0.0F;
+    float normal_x = 0.0F;
+    float normal_y = 0.0F;
   };
+  /// Surface points in the order of their directions, padded with points far away to kCandidates.
   struct Lines {
-    Surface surface;
+    const Point* points = nullptr;
+    const float* x = nullptr;  ///< all x, and all y
+    const float* y = nullptr;
+    std::int32_t count = 0;                ///< with the padding
     const std::uint16_t* first = nullptr;  ///< the first point in or after each bin
     float low = 0.0F;                      ///< directions that the scan sees
     float high = 0.0F;

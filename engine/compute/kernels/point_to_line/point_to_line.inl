@@ -10,15 +10,14 @@ struct PlacedPoints {
   alignas(64) std::int32_t bin[kLineBlock];
 };
 
-inline void place_points(const PointToLine::Params& params, const PointToLine::Surface& points, std::uint32_t first,
+inline void place_points(const PointToLine::Params& params, const PointToLine::Point* points, std::uint32_t first,
                          std::uint32_t count, PlacedPoints& placed) {
-  const float* from_x = points.x + static_cast<std::size_t>(first) * params.every;
-  const float* from_y = points.y + static_cast<std::size_t>(first) * params.every;
+  const PointToLine::Point* from = points + static_cast<std::size_t>(first) * params.every;
   constexpr float kBinsAUnit = static_cast<float>(PointToLine::kBins) / 4.0F;
   constexpr auto kLastBin = static_cast<std::int32_t>(PointToLine::kBins) - 1;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const float px = from_x[i * params.every];
-    const float py = from_y[i * params.every];
+    const float px = from[i * params.every].x;
+    const float py = from[i * params.every].y;
     const float x = params.cos * px - params.sin * py + params.x;
     const float y = params.sin * px + params.cos * py + params.y;
     const float length = (x < 0.0F ? -x : x) + (y < 0.0F ? -y : y);
@@ -61,9 +60,9 @@ inline std::uint32_t nearest_candidate(const float* xs, const float* ys, float x
 }
 #endif
 
-void find_lines(const PointToLine::Params& params, const PointToLine::Lines& lines, const PointToLine::Surface& points,
+void find_lines(const PointToLine::Params& params, const PointToLine::Lines& lines, const PointToLine::Point* points,
                 std::int32_t* found) {
-  const std::int32_t last = lines.surface.count - static_cast<std::int32_t>(PointToLine::kCandidates);
+  const std::int32_t last = lines.count - static_cast<std::int32_t>(PointToLine::kCandidates);
   const float gate = params.gate_m * params.gate_m;
   PlacedPoints placed;
   for (std::uint32_t first = 0; first < params.point_count; first += kLineBlock) {
@@ -72,7 +71,7 @@ void find_lines(const PointToLine::Params& params, const PointToLine::Lines& lin
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::int32_t start = clamped(lines.first[placed.bin[i]] - PointToLine::kBefore, 0, last);
       const std::uint32_t key =
-          nearest_candidate(lines.surface.x + start, lines.surface.y + start, placed.x[i], placed.y[i]);
+          nearest_candidate(lines.x + start, lines.y + start, placed.x[i], placed.y[i]);
       const bool is_seen = placed.direction[i] >= lines.low && placed.direction[i] <= lines.high;
       const bool is_near = __builtin_bit_cast(float, key) < gate;
       const auto nearest = start + static_cast<std::int32_t>(key & (PointToLine::kCandidates - 1U));
@@ -81,40 +80,27 @@ void find_lines(const PointToLine::Params& params, const PointToLine::Lines& lin
   }
 }
 
-/// Points and their lines; a point that does not count has a line of its own far too far away.
+/// Points and their lines.
 struct PointsOnLines {
-  alignas(64) float x[kLineBlock];
-  alignas(64) float y[kLineBlock];
-  alignas(64) float normal_x[kLineBlock];
-  alignas(64) float normal_y[kLineBlock];
-  alignas(64) float line_x[kLineBlock];
-  alignas(64) float line_y[kLineBlock];
-  alignas(64) float line_normal_x[kLineBlock];
-  alignas(64) float line_normal_y[kLineBlock];
+  alignas(64) PointToLine::Point points[kLineBlock];
+  alignas(64) PointToLine::Point lines[kLineBlock];
   alignas(64) float counts[kLineBlock];
 };
 
 /// Fills whole lanes; those behind the last point do not count.
-inline std::uint32_t collect_points(const PointToLine::Surface& lines, const PointToLine::Surface& points,
+inline std::uint32_t collect_points(const PointToLine::Point* lines, const PointToLine::Point* points,
                                     std::uint32_t every, std::uint32_t first, std::uint32_t count,
                                     const std::int32_t* found, PointsOnLines& block) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t point = (first + i) * every;
-    const std::int32_t line = found[first + i] < 0 ? 0 : found[first + i];
-    block.x[i] = points.x[point];
-    block.y[i] = points.y[point];
-    block.normal_x[i] = points.normal_x[point];
-    block.normal_y[i] = points.normal_y[point];
-    block.line_x[i] = lines.x[line];
-    block.line_y[i] = lines.y[line];
-    block.line_normal_x[i] = lines.normal_x[line];
-    block.line_normal_y[i] = lines.normal_y[line];
-    block.counts[i] = found[first + i] < 0 ? 0.0F : 1.0F;
+    const std::int32_t line = found[first + i];
+    __builtin_memcpy(&block.points[i], &points[static_cast<std::size_t>(first + i) * every], sizeof(PointToLine::Point));
+    __builtin_memcpy(&block.lines[i], &lines[line < 0 ? 0 : line], sizeof(PointToLine::Point));
+    block.counts[i] = line < 0 ? 0.0F : 1.0F;
   }
   const std::uint32_t whole = (count + PointToLine::kLanes - 1) / PointToLine::kLanes * PointToLine::kLanes;
   for (std::uint32_t i = count; i < whole; ++i) {
-    block.x[i] = block.y[i] = block.normal_x[i] = block.normal_y[i] = 0.0F;
-    block.line_x[i] = block.line_y[i] = block.line_normal_x[i] = block.line_normal_y[i] = block.counts[i] = 0.0F;
+    block.points[i] = block.lines[i] = {};
+    block.counts[i] = 0.0F;
   }
   return whole;
 }
@@ -130,18 +116,18 @@ inline void add_points(const PointToLine::Params& params, std::uint32_t count, c
   for (std::uint32_t first = 0; first < count; first += PointToLine::kLanes) {
     for (std::uint32_t lane = 0; lane < PointToLine::kLanes; ++lane) {
       const std::uint32_t i = first + lane;
-      const float px = block.x[i];
-      const float py = block.y[i];
-      const float nx = block.line_normal_x[i];
-      const float ny = block.line_normal_y[i];
+      const float px = block.points[i].x;
+      const float py = block.points[i].y;
+      const float nx = block.lines[i].normal_x;
+      const float ny = block.lines[i].normal_y;
       const float x = params.cos * px - params.sin * py + params.x;
       const float y = params.sin * px + params.cos * py + params.y;
-      const float off = nx * (x - block.line_x[i]) + ny * (y - block.line_y[i]);
+      const float off = nx * (x - block.lines[i].x) + ny * (y - block.lines[i].y);
       // The normal of the line in the frame of the points.
       const float jx = params.cos * nx + params.sin * ny;
       const float jy = params.cos * ny - params.sin * nx;
       const float jt = px * jy - py * jx;
-      const float cosine = jx * block.normal_x[i] + jy * block.normal_y[i];
+      const float cosine = jx * block.points[i].normal_x + jy * block.points[i].normal_y;
       const float share = 1.0F / (1.0F + off * off * per_kernel);
       const float weight = cosine >= params.least_cosine ? block.counts[i] * (share * share) : 0.0F;
       const float pull = weight * off;
@@ -162,13 +148,13 @@ inline void add_points(const PointToLine::Params& params, std::uint32_t count, c
   }
 }
 
-void line_slope(const PointToLine::Params& params, const PointToLine::Lines& lines, const PointToLine::Surface& points,
+void line_slope(const PointToLine::Params& params, const PointToLine::Lines& lines, const PointToLine::Point* points,
                 const std::int32_t* found, double* totals) {
   LineSums sums{};
   PointsOnLines block;
   for (std::uint32_t first = 0; first < params.point_count; first += kLineBlock) {
     const std::uint32_t count = lesser(kLineBlock, params.point_count - first);
-    add_points(params, collect_points(lines.surface, points, params.every, first, count, found, block), block, sums);
+    add_points(params, collect_points(lines.points, points, params.every, first, count, found, block), block, sums);
   }
   for (std::size_t k = 0; k < PointToLine::kSums; ++k) {
     totals[k] = 0.0;

@@ -67,13 +67,13 @@ void point_values_host(Isa isa, const PointValues::Params& params, const std::ui
 }
 
 void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                     const PointToLine::Surface& points, std::int32_t* found) {
-  assert(lines.surface.count >= static_cast<std::int32_t>(PointToLine::kCandidates));
+                     const PointToLine::Point* points, std::int32_t* found) {
+  assert(lines.count >= static_cast<std::int32_t>(PointToLine::kCandidates));
   functions_or_throw(isa).find_lines(params, lines, points, found);
 }
 
 PointToLine::Sums line_slope_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                                  const PointToLine::Surface& points, const std::int32_t* found) {
+                                  const PointToLine::Point* points, const std::int32_t* found) {
   PointToLine::Sums sums{};
   functions_or_throw(isa).line_slope(params, lines, points, found, sums.data());
   return sums;
