@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -51,17 +53,19 @@ MapFrame fitted(const MapArea& area, const Panel& panel) {
   return frame;
 }
 
-CellBox bounding_cells(const GridGeometry& geometry, const CellTest& test) {
+CellBox bounding_cells(const GridGeometry& geometry, const RowTest& test) {
   std::vector<std::uint64_t> columns(static_cast<std::size_t>(geometry.width));
   std::vector<std::uint64_t> rows(static_cast<std::size_t>(geometry.height));
   std::uint64_t total = 0;
+  std::vector<std::uint8_t> passes(columns.size());
   for (std::int32_t y = 0; y < geometry.height; ++y) {
-    for (std::int32_t x = 0; x < geometry.width; ++x) {
-      const std::uint64_t passes = test({x, y}) ? 1 : 0;
-      columns[static_cast<std::size_t>(x)] += passes;
-      rows[static_cast<std::size_t>(y)] += passes;
-      total += passes;
+    test(y, passes);
+    std::uint64_t& in_row = rows[static_cast<std::size_t>(y)];
+    for (std::size_t x = 0; x < passes.size(); ++x) {
+      columns[x] += passes[x];
+      in_row += passes[x];
     }
+    total += in_row;
   }
   const auto spare = static_cast<std::uint64_t>(kStrayShare * static_cast<double>(total));
   const auto [left, right] = trimmed(columns, spare);
@@ -95,9 +99,17 @@ MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Traje
 
 // Free cells are ignored: beams through windows reach far and would shrink the building.
 MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
-  CellBox box = bounding_cells(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
-  const CellBox known =
-      bounding_cells(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
+  const auto width = static_cast<std::size_t>(map.geometry.width);
+  std::vector<CellState> states(width);
+  const auto box_of = [&](auto counts) {
+    return bounding_cells(map.geometry, [&](std::int32_t y, std::span<std::uint8_t> passes) {
+      map.cells.read(static_cast<std::size_t>(y) * width, states);
+      std::transform(states.begin(), states.end(), passes.begin(),
+                     [&](CellState state) { return static_cast<std::uint8_t>(counts(state)); });
+    });
+  };
+  CellBox box = box_of([](CellState state) { return state == CellState::kOccupied; });
+  const CellBox known = box_of([](CellState state) { return state != CellState::kUnknown; });
   // A post in an open hall is not the subject of the picture.
   constexpr std::int32_t kPost = 4;
   if (kPost * box.width() < known.width() && kPost * box.height() < known.height()) box = known;

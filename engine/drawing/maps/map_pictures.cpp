@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,12 +35,16 @@ constexpr Colour kPaper = colour_for(0xf0eee8);
 /// Area of the obstacles and the path, and of the field around them.
 MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
   const GridGeometry& geometry = field.geometry;
-  const auto value_at = [&](CellIndex cell) {
-    return field.cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(geometry.width) +
-                       static_cast<std::size_t>(cell.x)];
+  const auto width = static_cast<std::size_t>(geometry.width);
+  const auto box_below = [&](std::uint16_t limit) {
+    return bounding_cells(geometry, [&](std::int32_t y, std::span<std::uint8_t> passes) {
+      const auto row = field.cells.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y) * width);
+      std::transform(row, row + static_cast<std::ptrdiff_t>(width), passes.begin(),
+                     [&](std::uint16_t value) { return static_cast<std::uint8_t>(value < limit); });
+    });
   };
-  CellBox box = bounding_cells(geometry, [&](CellIndex cell) { return value_at(cell) < std::min(kCell, field.cap); });
-  if (box.empty()) box = bounding_cells(geometry, [&](CellIndex cell) { return value_at(cell) < field.cap; });
+  CellBox box = box_below(std::min(kCell, field.cap));
+  if (box.empty()) box = box_below(field.cap);
   if (box.empty()) box = {{0, 0}, {geometry.width, geometry.height}};
   const double reach_m = geometry.resolution_m * field.cap / kCell;
   return with_path(map_area(geometry, box), geometry, trajectory, std::max(reach_m, 2.0 * geometry.resolution_m));

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -64,11 +65,11 @@ bool is_on_sheet(const Point2& at);
 /// Fits the area into the middle of the panel; the panel shows its surroundings too.
 MapFrame fitted(const MapArea& area, const Panel& panel);
 
-/// Whether a cell is part of the picture's subject.
-using CellTest = std::function<bool(CellIndex)>;
+/// Writes 1 for each cell of a row that is part of the picture's subject, else 0.
+using RowTest = std::function<void(std::int32_t y, std::span<std::uint8_t> passes)>;
 /// The box of the cells that pass, without 0.4 % at each side, which are ends of beams through windows; empty if none
 /// passes.
-CellBox bounding_cells(const GridGeometry& geometry, const CellTest& test);
+CellBox bounding_cells(const GridGeometry& geometry, const RowTest& test);
 MapArea map_area(const GridGeometry& geometry, const CellBox& box);
 /// The area with the whole path and a margin; without poses farther outside the grid than its length, which would
 /// shrink the map to nothing.

@@ -311,9 +311,8 @@ std::vector<Matrix3> GraphCovariance::column_of_row(std::size_t node) const {
   return blocks;
 }
 
-Matrix3 GraphCovariance::relative(std::size_t from, std::size_t to) const {
+Matrix3 GraphCovariance::relative(std::size_t from, std::size_t to, const std::vector<Matrix3>& of_to) const {
   if (!is_known_) return kUnsolved * Matrix3::identity();
-  const std::vector<Matrix3> of_to = column(to);
   const Matrix3 from_from = column(from)[from];
   const Matrix3 by_from = -1.0 * adjoint_matrix(between(graph_.poses[to], graph_.poses[from]));
   const Matrix3 cross = by_from * of_to[from];

@@ -87,7 +87,9 @@ class GraphCovariance {
  public:
   explicit GraphCovariance(const PoseGraph& graph);
   /// Covariance of the tangent of between(poses[from], poses[to]); kilometres if the graph has no solution.
-  [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const;
+  [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const { return relative(from, to, column(to)); }
+  /// The same with column(to), for many `from`.
+  [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to, const std::vector<Matrix3>& of_to) const;
   /// Covariance of the bias of the wheels. The graph must have wheel relations.
   [[nodiscard]] Matrix3 of_bias() const;
   /// Covariances between the tangents of each node and of this one, the first pose held.

@@ -56,7 +56,8 @@ struct LoopFinder::Reference {
     const std::lock_guard lock(mutex);
     Prepared& prepared = prepared_for(is_near);
     if (!prepared.map) {
-      prepared.map.emplace(field.view(), best_isa(), is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
+      prepared.map.emplace(field.view(), best_isa(),
+                           is_near ? CertifiedMap::kNearWindows : CertifiedMap::kSmallWindows);
       prepared.bytes = prepared.map->bytes();
     }
     return *prepared.map;
@@ -249,13 +250,13 @@ bool LoopFinder::was_in_vain(const Revisit& revisit, std::size_t here) const {
          std::fabs(moved.theta_rad) < kAsFar * half_rad;
 }
 
-std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const {
+std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, const GraphCovariance& covariance,
+                                                 std::size_t here, std::size_t most) const {
   if (here < is_left_out_.size() && is_left_out_[here]) return {};
   if (!have_points(keyframes_, places_[here], options_.query_half_m)) return {};
   RevisitRules rules = options_.revisits;
   rules.most = most;
-  std::vector<Revisit> revisits =
-      find_revisits(graph, GraphCovariance(graph), path_m_, here, rules, left_out_before(here));
+  std::vector<Revisit> revisits = find_revisits(graph, covariance, path_m_, here, rules, left_out_before(here));
   std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
       return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on() && !loop.is_ambiguous;
@@ -265,9 +266,10 @@ std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::si
   return revisits;
 }
 
-std::vector<LoopFinder::Found> LoopFinder::look_ahead(const PoseGraph& graph, std::size_t here) {
+std::vector<LoopFinder::Found> LoopFinder::look_ahead(const PoseGraph& graph, const GraphCovariance& covariance,
+                                                      std::size_t here) {
   std::vector<Found> all;
-  const std::vector<Revisit> revisits = wanted_revisits(graph, here, options_.revisits.most);
+  const std::vector<Revisit> revisits = wanted_revisits(graph, covariance, here, options_.revisits.most);
   if (revisits.empty()) return all;
   const ScanGroup query = query_at(here);
   all.reserve(revisits.size());
@@ -315,9 +317,10 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
 }
 
 // One search after the other needs less memory than all side by side.
-std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers) {
+std::vector<Loop> LoopFinder::look(const PoseGraph& graph, const GraphCovariance& covariance, std::size_t here,
+                                   std::size_t most, WorkerPool& workers) {
   std::vector<Loop> loops;
-  const std::vector<Revisit> revisits = wanted_revisits(graph, here, most);
+  const std::vector<Revisit> revisits = wanted_revisits(graph, covariance, here, most);
   if (revisits.empty()) return loops;
   const ScanGroup query = query_at(here);
   const std::size_t at_once = workers.threads() > 1 ? revisits.size() : 1;
@@ -337,21 +340,25 @@ void LoopFinder::look_at(const PoseGraph& graph, std::size_t first, std::size_t 
                          const Take& take_loops) {
   const std::size_t most_ahead = workers.threads() > 1 ? kAheadAThread * workers.threads() : 1;
   std::size_t places = 1;  // searched together: places after one that changes the graph are searched again
+  std::optional<GraphCovariance> covariance;  // of the graph as it is
   for (std::size_t here = first; here < end;) {
+    if (!covariance) covariance.emplace(graph);
     if (places == 1) {
-      const bool changes = take_loops(here, look(graph, here, options_.revisits.most, workers));
+      const bool changes = take_loops(here, look(graph, *covariance, here, options_.revisits.most, workers));
+      if (changes) covariance.reset();
       if (!changes) places = std::min<std::size_t>(2, most_ahead);
       ++here;
       continue;
     }
     std::vector<std::vector<Found>> ahead(std::min(places, end - here));
     workers.run(ahead.size(), 1, [&](std::uint64_t from, std::uint64_t to) {
-      for (std::uint64_t k = from; k < to; ++k) ahead[k] = look_ahead(graph, here + k);
+      for (std::uint64_t k = from; k < to; ++k) ahead[k] = look_ahead(graph, *covariance, here + k);
     });
     bool has_changed = false;
     for (std::size_t k = 0; k < ahead.size() && !has_changed; ++k, ++here) {
       has_changed = take_loops(here, take(std::move(ahead[k]), here));
     }
+    if (has_changed) covariance.reset();
     if (!has_changed) fresh_.clear();
     places = has_changed ? 1 : std::min(2 * places, most_ahead);
   }

@@ -63,7 +63,9 @@ class LoopFinder {
   /// Finds loops from a place to earlier ones that the graph lacks or has switched off, except where a search in about
   /// the same window found none. The graph's nodes are the
   /// places. The workers share the earlier places; only the `most` likeliest are searched.
-  std::vector<Loop> look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers);
+  std::vector<Loop> look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers) {
+    return look(graph, GraphCovariance(graph), here, most, workers);
+  }
   /// Searches at the places from `first` to before `end`, in order, and gives the loops of each to take_loops(), which
   /// returns true if it changed the graph. Workers look ahead; their results count only while the graph is unchanged.
   /// Loops and graph are the same for any number of workers.
@@ -74,12 +76,15 @@ class LoopFinder {
   [[nodiscard]] const LoopCounts& counts() const { return counts_; }
 
  private:
+  std::vector<Loop> look(const PoseGraph& graph, const GraphCovariance& covariance, std::size_t here, std::size_t most,
+                         WorkerPool& workers);
   struct Reference;
   struct Fresh;
   struct Found;
-  std::vector<Found> look_ahead(const PoseGraph& graph, std::size_t here);
+  std::vector<Found> look_ahead(const PoseGraph& graph, const GraphCovariance& covariance, std::size_t here);
   [[nodiscard]] bool was_in_vain(const Revisit& revisit, std::size_t here) const;
-  [[nodiscard]] std::vector<Revisit> wanted_revisits(const PoseGraph& graph, std::size_t here, std::size_t most) const;
+  [[nodiscard]] std::vector<Revisit> wanted_revisits(const PoseGraph& graph, const GraphCovariance& covariance,
+                                                     std::size_t here, std::size_t most) const;
   [[nodiscard]] std::vector<bool> left_out_before(std::size_t here) const;
   [[nodiscard]] ScanGroup query_at(std::size_t here) const;
   Found find(const Revisit& revisit, const ScanGroup& query);

@@ -43,8 +43,10 @@ std::vector<Revisit> find_revisits(const PoseGraph& graph, const GraphCovariance
                                    std::span<const double> path_m, std::size_t here, const RevisitRules& rules,
                                    const std::vector<bool>& left_out) {
   std::vector<Revisit> revisits = near_places(graph, path_m, here, rules, left_out);
+  if (revisits.empty()) return revisits;
+  const std::vector<Matrix3> of_here = covariance.column(here);
   for (Revisit& revisit : revisits) {
-    const Matrix3 relative = covariance.relative(revisit.place, here);
+    const Matrix3 relative = covariance.relative(revisit.place, here, of_here);
     revisit.sigma_m = position_sigma(relative);
     revisit.sigma_rad = std::sqrt(std::max(0.0, relative(2, 2)));
   }
