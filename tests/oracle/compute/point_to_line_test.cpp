@@ -48,8 +48,6 @@ struct AllAround {
     return {points.data(), x.data(), y.data(), static_cast<std::int32_t>(x.size()), first.data(), low, 2.0F};
   }
 };
-}
-};
 
 struct Turned {
   double x = 0.0, y = 0.0;

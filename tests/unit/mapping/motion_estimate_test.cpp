@@ -40,7 +40,7 @@ class Drive : public testing::Test {
     result.T_map_base = T_map_matched;
     result.accepted = true;
     is_by_odometry_ = prediction.by_odometry;
-    estimate_.take(result, true, points_, [this](const Pose2&, const Pose2&) { return fits_as_well_; });
+    estimate_.take(result, true, keep_scan(points_), [this](const Pose2&, const Pose2&) { return fits_as_well_; });
     model_.correct(result.T_map_base, result.accepted);
     return result;
   }
