@@ -232,8 +232,9 @@ MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const 
   }
   if (before != nullptr) {
     std::erase_if(changes.appeared, [&](const ChangedCell& changed) { return !judge.is_free(*before, changed.cell); });
+    // Of a wall along the way, half of the beams pass through its cells.
     std::erase_if(changes.gone, [&](const ChangedCell& changed) {
-      return !judge.is_wall(before->at(changed.cell), limits.beside_views);
+      return before->at(changed.cell).ends < limits.beside_views || judge.is_free(*before, changed.cell);
     });
   }
   keep_patches(changes.appeared, r, limits);

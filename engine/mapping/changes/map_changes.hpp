@@ -94,8 +94,8 @@ struct MapChanges {
 std::size_t count_patches(std::span<const ChangedCell> cells);
 
 /// `views` were counted in the map's grid, as were the views `before`, from which the map was made, if they are known.
-/// These must have seen new cells as free, with all surroundings, and gone cells as walls. This excludes grazed cells
-/// and glass.
+/// These must have seen new cells as free, with all surroundings, and gone cells not as free. This excludes grazed
+/// cells and glass.
 MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ViewCounts* before,
                         const ChangeLimits& limits);
 

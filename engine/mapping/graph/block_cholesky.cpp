@@ -17,7 +17,7 @@ bool is_positive(const Matrix3& factor) {
 }
 
 constexpr int kMostDirections = 400;
-constexpr double kSolvedShare = 1.0e-6;  // share of the initial squared error, in the factor's norm
+constexpr double kSolvedShare = 1.0e-8;  // share of the initial squared error, in the factor's norm
 
 double dot_product(const std::vector<Tangent2>& a, const std::vector<Tangent2>& b) {
   double sum = 0.0;

@@ -87,7 +87,7 @@ class BlockCholesky {
 // system [GolubVanLoan2013, section 11.5]; for graphs, a system of part of the edges [Dellaert2010]. Sums in a fixed
 // order, the same bits on every host. Cost: a product and a solution with the factor a step.
 
-/// Solves for system.right to a thousandth, or as far as some hundred steps reach, each nearer than the last. An
+/// Solves for system.right to a ten-thousandth, or as far as some hundred steps reach, each nearer than the last. An
 /// empty result means that the systems have values that are not finite.
 std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor);
 

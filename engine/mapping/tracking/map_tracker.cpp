@@ -12,7 +12,6 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
-#include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/scan_points.hpp"

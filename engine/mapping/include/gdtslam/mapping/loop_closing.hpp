@@ -126,10 +126,6 @@ class LoopClosing {
   /// weighs odometry against matches.
   static MapperConfig adapt_config(MapperConfig config);
 
-  /// Takes the mapper's next scan. Rethrows exceptions of the search for loops. Waits for the search if it is more than
-  /// eight places, 32 m of path, behind.
-  void take(const KeptScan& scan, const MatchResult& result);
-
   /// Correction for controllers during mapping: T_closed_front * MatchResult::T_map_base is the pose with the loops
   /// found so far closed. It leaps when a loop takes effect; the mapper's poses do not. A loop found at a place takes
   /// effect eight places later, at a keyframe that the log alone determines: live and offline, with any number of
@@ -158,6 +154,11 @@ class LoopClosing {
   [[nodiscard]] const GlobalField& field() const;
 
  private:
+  friend class Mapper;
+  /// Takes the mapper's next scan. Rethrows exceptions of the search for loops. Waits for the search if it is more than
+  /// eight places, 32 m of path, behind.
+  void take(const KeptScan& scan, const MatchResult& result);
+
   struct State;
   std::unique_ptr<State> state_;
 };
