@@ -1,7 +1,7 @@
 // Adjusts all keyframes together: each is matched with its neighbours in time and in space, points to lines [Lu1997],
-// with the front end's relations over short stretches of the path. Gauss-Newton with a gate that narrows; the equations
-// of a pair are kept while it hardly moves. The same bits for any number of threads. Cost: some ten iterations over
-// about fifteen pairs a keyframe, nearly linear in the keyframes; 16 bytes a point and 250 a pair.
+// with the front end's relations over short stretches of the path. Gauss-Newton with a gate that narrows; a pair that
+// hardly moves keeps its equations. The same bits for any number of threads. Cost: some ten iterations over about
+// fifteen pairs a keyframe, nearly linear in the keyframes; 24 bytes a point and 250 a pair.
 #pragma once
 
 #include <cstddef>

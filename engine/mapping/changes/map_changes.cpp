@@ -232,7 +232,7 @@ MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const 
   }
   if (before != nullptr) {
     std::erase_if(changes.appeared, [&](const ChangedCell& changed) { return !judge.is_free(*before, changed.cell); });
-    // Of a wall along the way, half of the beams pass through its cells.
+    // Half of the beams pass through the cells of a wall along the way.
     std::erase_if(changes.gone, [&](const ChangedCell& changed) {
       return before->at(changed.cell).ends < limits.beside_views || judge.is_free(*before, changed.cell);
     });

@@ -35,8 +35,8 @@ double relation_chi2(const PoseRelation& relation, const Pose2& T_from, const Po
 /// Its normal equations at these poses, times a weight.
 void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system);
 /// Moves the poses by the system's solution, the first one held. Returns the largest translation in metres; or a value
-/// below zero if the system has no solution, and the poses stay. The system's own factor would be large, so the factor
-/// of `core` is used, a part of its relations that joins all poses; it may be that of an earlier step.
+/// below zero if the system has no solution, and the poses stay. The system's own factor would be large, so that of a
+/// core is used, a part of its relations that joins all poses; it may come from an earlier step.
 double take_step_by_core(BlockSystem& system, const BlockCholesky& factor_of_core, std::vector<Pose2>& poses);
 /// Factorises such a part, the first pose held. False if it is not positive definite.
 bool factorise_core(BlockSystem& core, BlockCholesky& factor);

@@ -65,10 +65,10 @@ struct LoopFinder::Reference {
 
   [[nodiscard]] std::size_t bytes() const {
     return group.space().bytes() + field.bytes() + (for_near.is_counted ? for_near.bytes : 0U) +
-           (for_any.is_counted ? for_any.bytes : 0U);
+           (for_wide.is_counted ? for_wide.bytes : 0U);
   }
   [[nodiscard]] std::size_t prepared_bytes() const {
-    return (for_near.map ? for_near.bytes : 0U) + (for_any.map ? for_any.bytes : 0U);
+    return (for_near.map ? for_near.bytes : 0U) + (for_wide.map ? for_wide.bytes : 0U);
   }
 
   /// Made at the first search in it.
@@ -77,13 +77,13 @@ struct LoopFinder::Reference {
     std::size_t bytes = 0;    ///< memory of the map, present or forgotten
     bool is_counted = false;  ///< a search in it was taken
   };
-  Prepared& prepared_for(bool is_near) { return is_near ? for_near : for_any; }
+  Prepared& prepared_for(bool is_near) { return is_near ? for_near : for_wide; }
 
   ScanGroup group;
   FieldCopy field;
   std::mutex mutex;  // guards the prepared fields
   Prepared for_near;
-  Prepared for_any;
+  Prepared for_wide;
   std::uint64_t number = 0;  // distinguishes it from earlier and later references of the same place
   std::uint64_t asked = 0;   // time of the last request
 };
@@ -163,7 +163,7 @@ void LoopFinder::forget_prepared(std::size_t place) {
     if (bytes <= options_.most_prepared_bytes / 2) break;  // rarely many, rather than often few
     bytes -= reference->prepared_bytes();
     reference->for_near.map.reset();
-    reference->for_any.map.reset();
+    reference->for_wide.map.reset();
   }
   return_free_memory();
 }

@@ -61,8 +61,8 @@ class LoopFinder {
   /// Leaves a place out of all further searches, because its scans are gone.
   void leave_out(std::size_t place);
   /// Finds loops from a place to earlier ones that the graph lacks or has switched off, except where a search in about
-  /// the same window found none. The graph's nodes are the
-  /// places. The workers share the earlier places; only the `most` likeliest are searched.
+  /// the same window found none. The graph's nodes are the places. The workers share the earlier places; only the
+  /// `most` likeliest are searched.
   std::vector<Loop> look(const PoseGraph& graph, std::size_t here, std::size_t most, WorkerPool& workers) {
     return look(graph, GraphCovariance(graph), here, most, workers);
   }

@@ -17,7 +17,7 @@ struct PointToLine {
   static constexpr std::uint32_t kLanes = 16;
   static constexpr std::uint32_t kCandidates = 16;
   static constexpr std::int32_t kBefore = 6;
-  static constexpr std::uint32_t kBins = 256;  ///< of pseudo_bearing(), -2 to 2
+  static constexpr std::uint32_t kBins = 256;  ///< bins of pseudo_bearing(), -2 to 2
   static constexpr std::int32_t kNone = -1;    ///< the point is on no line
   struct Point {
     float x = 0.0F;
