@@ -48,7 +48,7 @@ def sample_hashes(loops=True):
     """Those that ship with the sample log: of the map and the trajectory."""
     runs = json.loads((SOURCE / "assets/expected/office-start.json").read_text())["runs"]
     for one in runs:
-        if one["matcher"] == "simplex-newton" and one["loops"] == loops:
+        if one["matcher"] == "gauss-newton" and one["loops"] == loops:
             return one["map_sha256"], one["trajectory_sha256"]
     return fail("assets/expected has no such run")
 

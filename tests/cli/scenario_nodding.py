@@ -152,7 +152,7 @@ def cloud_same_bytes_on_vulkan():
     require_vulkan()
     folder = cli.fresh_folder("vulkan_cloud")
     log = moving_log(folder)
-    for matcher in ("simplex-newton", "exhaustive"):
+    for matcher in ("gauss-newton", "exhaustive"):
         runs = [mapped(folder / f"{matcher}_{device}", "--device", device, "--no-fallback", "--matcher", matcher, log=log, timeout=250)
                 for device in ("cpu", "vulkan")]
         expect(runs[1]["device"]["kind"] != runs[0]["device"]["kind"], "both ran on the same kind of device")

@@ -22,7 +22,7 @@ def same_bytes_twice():
 
 
 def same_bytes_by_threads():
-    for matcher in ("simplex-newton", "exhaustive"):
+    for matcher in ("gauss-newton", "exhaustive"):
         reports = [mapped(cli.fresh_folder("threads") / "run", "--threads", n, "--matcher", matcher, "--first", 300) for n in (1, 2, 3)]
         expect(len({results(report) for report in reports}) == 1, f"{matcher}: the result depends on the threads")
 
@@ -31,7 +31,7 @@ def same_bytes_by_isa():
     devices = json.loads(command("doctor", "--devices", "--json").stdout)
     variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
     expect("baseline" in variants, f"variants: {variants}")
-    for matcher in ("simplex-newton", "exhaustive"):
+    for matcher in ("gauss-newton", "exhaustive"):
         reports = [mapped(cli.fresh_folder("isa") / "run", "--isa", isa, "--matcher", matcher, "--first", 300) for isa in variants]
         expect([report["device"]["driver"] for report in reports] == variants, "not the variant that was asked for")
         expect(len({results(report) for report in reports}) == 1, f"{matcher}: the result depends on the instruction set")

@@ -41,7 +41,7 @@ refused() {
 }
 
 gdtslam 0 --version
-for matcher in simplex-newton exhaustive; do map --device cpu --matcher "$matcher"; done
+for matcher in gauss-newton exhaustive; do map --device cpu --matcher "$matcher"; done
 map --device auto --matcher exhaustive # without a hardware GPU: the processor
 gdtslam 0 map "$sample" -o loops --quiet --device cpu
 contains loops/report.json '"loops": {'

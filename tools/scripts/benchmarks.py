@@ -158,8 +158,8 @@ class Benchmarks:
     def table_exhaustive(self):
         rows = []
         for name in LOGS:
-            for matcher in ("simplex-newton", "exhaustive"):
-                words = ("--no-loops",) + (() if matcher == "simplex-newton" else ("--matcher", matcher))
+            for matcher in ("gauss-newton", "exhaustive"):
+                words = ("--no-loops",) + (() if matcher == "gauss-newton" else ("--matcher", matcher))
                 report, _, _, errors = self.mapped(name, *words)
                 error = f"{errors['all']['translation_m']['mean']:.4f} m, {errors['all']['rotation_deg']['mean']:.3f}°"
                 rows.append([name, f"`{matcher}`", error, f"{report['scans_per_core_s']:,.0f}", f"{report['windows']:,}",

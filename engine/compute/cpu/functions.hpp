@@ -14,9 +14,9 @@
 #include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_descent/pose_descent.hpp"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
-#include "engine/compute/kernels/pose_slope/pose_slope.hpp"
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 #include "engine/core/elementary.hpp"
 
@@ -80,9 +80,8 @@ struct IsaFunctions {
   void (*field_minorant)(const FieldMinorant::Params&, const std::uint16_t* field, std::uint32_t* minorants);
   void (*pose_minorant_wide)(const PoseMinorantWide::Params&, const std::uint32_t* minorants, const BoundPoint* points,
                              const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
-  /// totals: PoseSlope::kSums values.
-  void (*pose_slope)(const PoseSlope::Params&, const std::uint16_t* field, const PointCells* points,
-                     const PoseSlope::Pose&, double* totals);
+  void (*pose_descent)(const PoseDescent::Params&, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, Slice);
   void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose&, std::uint16_t* values);
   void (*find_lines)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Point* points,

@@ -43,7 +43,7 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #include "engine/compute/kernels/pose_bounds/pose_minorant.inl"
 #include "engine/compute/kernels/pose_bounds/pose_minorant_wide.inl"
 #include "engine/compute/kernels/pose_bounds/field_minorant.inl"
-#include "engine/compute/kernels/pose_slope/pose_slope.inl"
+#include "engine/compute/kernels/pose_descent/pose_descent.inl"
 #include "engine/compute/kernels/point_values/point_values.inl"
 #include "engine/compute/kernels/point_to_line/point_to_line.inl"
 #include "engine/compute/kernels/sweep_points/sweep_points.inl"
@@ -72,7 +72,7 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .pose_minorant = pose_minorant,
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,
-    .pose_slope = pose_slope,
+    .pose_descent = pose_descent,
     .point_values = point_values,
     .find_lines = find_lines,
     .line_slope = line_slope,

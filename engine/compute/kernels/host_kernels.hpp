@@ -10,8 +10,8 @@
 #include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_descent/pose_descent.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
-#include "engine/compute/kernels/pose_slope/pose_slope.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
 namespace gdtslam {
@@ -24,9 +24,9 @@ void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t
 void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
                        PolishedPose* poses, std::uint32_t count);
 
-/// Cost of a pose with its slope; field height and width at least 2, at most 65,537 points.
-PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const std::uint16_t* field,
-                                const PointCells* points, const PoseSlope::Pose& pose);
+/// A descent along the slope from each of `count` poses, in place; field height and width at least 2.
+void pose_descent_host(Isa isa, const PoseDescent::Params& params, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint32_t count);
 
 /// The field under each point at a pose; field height and width at least 1.
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,

@@ -14,29 +14,6 @@ namespace {
 
 constexpr std::size_t kSmallBatch = 64;  // below this a dispatch costs more than it gains
 
-// weight * distance^2 up to the limit, beyond which the prior has no gradient.
-void add_prior(const PriorParams& prior, const CellPose& pose, Linearisation& at) {
-  const double dx = static_cast<double>(pose.x) - static_cast<double>(prior.mean_x);
-  const double dy = static_cast<double>(pose.y) - static_cast<double>(prior.mean_y);
-  const double dt = static_cast<double>(pose.theta) - static_cast<double>(prior.mean_theta);
-  const double limit = static_cast<double>(prior.limit);
-  const double w_xy = static_cast<double>(prior.weight_xy);
-  const double w_t = static_cast<double>(prior.weight_theta);
-  const double cost_xy = (dx * dx + dy * dy) * w_xy;
-  const double cost_t = dt * dt * w_t;
-  at.cost += std::min(cost_xy, limit) + std::min(cost_t, limit);
-  if (cost_xy < limit) {
-    at.gradient[0] += 2.0 * w_xy * dx;
-    at.gradient[1] += 2.0 * w_xy * dy;
-    at.curvature[0] += 2.0 * w_xy;
-    at.curvature[3] += 2.0 * w_xy;
-  }
-  if (cost_t < limit) {
-    at.gradient[2] += 2.0 * w_t * dt;
-    at.curvature[5] += 2.0 * w_t;
-  }
-}
-
 // A scan fits about as well if the mean distance of its points is larger by at most this; farther points are capped.
 constexpr double kAboutAsWell = 1.3;
 constexpr double kAsWell_m = 0.003;
@@ -81,6 +58,15 @@ PolishedPose Objective::descend(const CellPose& start, const PoseSimplex::Params
   return pose;
 }
 
+PolishedPose Objective::descend(const CellPose& start, PoseDescent::Params descent) {
+  descent.grid = params(Interpolation::kBilinear, points_.size());
+  descent.prior = prior_;
+  PolishedPose pose{start.x, start.y, start.theta};
+  pose_descent_host(backend_->host_isa(), descent, map_->memory().data(), points_.data(), &pose, 1);
+  evaluations_ += pose.evaluations;
+  return pose;
+}
+
 void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs) {
   assert(poses.size() == costs.size());
   evaluations_ += poses.size();
@@ -119,20 +105,6 @@ void Objective::residuals(const CellPose& pose, std::span<const PointCells> poin
   // The two outermost rows and columns hold the cap, so a point off the map reads it at the nearest of them.
   point_values_host(backend_->host_isa(), params(Interpolation::kNearest, points.size()), map_->memory().data(),
                     points.data(), {.x = pose.x, .y = pose.y, .theta = pose.theta}, values.data());
-}
-
-Linearisation Objective::linearise(const CellPose& pose, float scale_cells) {
-  ++evaluations_;
-  const PoseSlope::Params slope{.grid = params(Interpolation::kBilinear, points_.size()),
-                                .scale = scale_cells * static_cast<float>(kFieldOne)};
-  const PoseSlope::Sums sums = pose_slope_host(backend_->host_isa(), slope, map_->memory().data(), points_.data(),
-                                               {.x = pose.x, .y = pose.y, .theta = pose.theta});
-  Linearisation result;
-  result.cost = sums[0];
-  std::copy_n(sums.begin() + 1, result.gradient.size(), result.gradient.begin());
-  std::copy_n(sums.begin() + 4, result.curvature.size(), result.curvature.begin());
-  add_prior(prior_, pose, result);
-  return result;
 }
 
 CellPose Objective::to_cells(const Pose2& T_map_base) const {

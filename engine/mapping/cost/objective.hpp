@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_descent/pose_descent.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -37,14 +38,6 @@ struct LocalMinimum {
   StopReason stop = StopReason::kNotRun;
 };
 
-/// The field under the points and its derivatives with respect to the pose, each point weighted so that a sum of
-/// squares stands for the sum of distances: the normal equations of one step.
-struct Linearisation {
-  double cost = 0.0;                  ///< robust cost, cost units (1/256 cell), prior included
-  std::array<double, 3> gradient{};   ///< d cost / d (x, y, theta): cells, radians
-  std::array<double, 6> curvature{};  ///< xx, xy, xt, yy, yt, tt
-};
-
 class Objective {
  public:
   /// The map must outlive this and have memory().
@@ -65,15 +58,12 @@ class Objective {
   /// Runs a simplex from the pose on this thread and returns its end; the cost and the prior of `walk` must be those
   /// below.
   PolishedPose descend(const CellPose& start, const PoseSimplex::Params& walk);
+  /// The same along the slope of the bilinear field; grid and prior of `descent` are those of this objective.
+  PolishedPose descend(const CellPose& start, PoseDescent::Params descent);
 
   /// Kernel parameters of this objective.
   [[nodiscard]] PoseCost::Params cost_params() const { return params(interpolation_, points_.size()); }
   [[nodiscard]] const PriorParams& prior_params() const { return prior_; }
-
-  /// Linearises the cost on the bilinear field whatever `interpolation` is. A distance d counts as d^2 / (2 s) below s
-  /// = scale_cells and as d - s / 2 above [Huber1964]; at the cap it counts as the cap and has no gradient. O(points),
-  /// on this thread.
-  [[nodiscard]] Linearisation linearise(const CellPose& pose, float scale_cells);
 
   /// Field value under each point, nearest cell; no coordinate may be NaN.
   void residuals(const CellPose& pose, std::span<const PointCells> points, std::vector<std::uint16_t>& values) const;

@@ -67,44 +67,6 @@ optimize::Minimum run(PoseFunction& function, MatcherKind kind, double tolerance
                   limits);
 }
 
-constexpr double kFirstDamping = 1.0e-4;
-constexpr double kLeastDamping = 1.0e-7;
-constexpr double kMostDamping = 1.0e6;
-
-struct GaussStep {
-  double x = 0.0;
-  double y = 0.0;
-  double theta = 0.0;
-};
-
-// Solves (H + damping diag H) step = -gradient by Cholesky's factorisation; empty if the matrix is singular.
-std::optional<GaussStep> damped_step(const Linearisation& at, double damping) {
-  const auto& [xx, xy, xt, yy, yt, tt] = at.curvature;
-  const double grow = 1.0 + damping;
-  const double l00 = std::sqrt(xx * grow);
-  if (!(l00 > 0.0)) return std::nullopt;
-  const double l10 = xy / l00;
-  const double l20 = xt / l00;
-  const double l11_sq = yy * grow - l10 * l10;
-  if (!(l11_sq > 0.0)) return std::nullopt;
-  const double l11 = std::sqrt(l11_sq);
-  const double l21 = (yt - l20 * l10) / l11;
-  const double l22_sq = tt * grow - l20 * l20 - l21 * l21;
-  if (!(l22_sq > 0.0)) return std::nullopt;
-  const double l22 = std::sqrt(l22_sq);
-  const double u0 = -at.gradient[0] / l00;
-  const double u1 = (-at.gradient[1] - l10 * u0) / l11;
-  const double u2 = (-at.gradient[2] - l20 * u0 - l21 * u1) / l22;
-  const double theta = u2 / l22;
-  const double y = (u1 - l21 * theta) / l11;
-  return GaussStep{(u0 - l10 * y - l20 * theta) / l00, y, theta};
-}
-
-CellPose moved(const CellPose& pose, const GaussStep& step) {
-  return {pose.x + static_cast<float>(step.x), pose.y + static_cast<float>(step.y),
-          pose.theta + static_cast<float>(step.theta)};
-}
-
 }  // namespace
 
 LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
@@ -116,39 +78,6 @@ LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const 
   return {function.to_pose(found.point), static_cast<std::uint32_t>(found.value),
           static_cast<std::uint32_t>(found.evaluations),
           found.stop == optimize::Stop::kConverged ? StopReason::kConverged : StopReason::kEvaluationLimit};
-}
-
-LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, const GaussNewtonOptions& options) {
-  CellPose pose = start;
-  Linearisation here = objective.linearise(pose, options.scale_cells);
-  double damping = kFirstDamping;
-  std::uint32_t evaluations = 1;
-  StopReason stop = StopReason::kEvaluationLimit;
-  while (evaluations < options.max_evaluations) {
-    const std::optional<GaussStep> step = damped_step(here, damping);
-    const bool is_small = step && std::abs(step->x) < static_cast<double>(options.stop_cells) &&
-                          std::abs(step->y) < static_cast<double>(options.stop_cells) &&
-                          std::abs(step->theta) < static_cast<double>(options.stop_rad);
-    if (is_small || damping > kMostDamping) {
-      stop = StopReason::kConverged;
-      break;
-    }
-    if (!step) {
-      damping *= 100.0;
-      continue;
-    }
-    const CellPose next = moved(pose, *step);
-    const Linearisation there = objective.linearise(next, options.scale_cells);
-    ++evaluations;
-    if (there.cost < here.cost) {
-      pose = next;
-      here = there;
-      damping = std::max(damping * 0.1, kLeastDamping);
-    } else {
-      damping *= 10.0;
-    }
-  }
-  return {pose, objective.evaluate(pose), evaluations + 1, stop};
 }
 
 StopReason stop_reason(std::uint32_t stop) {
@@ -167,6 +96,12 @@ LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const
           .cost = found.cost,
           .evaluations = found.evaluations,
           .stop = stop_reason(found.stop)};
+}
+
+LocalMinimum minimise_along_slope(Objective& objective, const CellPose& start, const PoseDescent::Params& descent) {
+  const PolishedPose found = objective.descend(start, descent);
+  const CellPose end{found.x, found.y, found.theta};
+  return {end, objective.evaluate(end), found.evaluations + 1, stop_reason(found.stop)};
 }
 
 }  // namespace gdtslam

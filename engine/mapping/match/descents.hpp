@@ -25,18 +25,6 @@ struct PoseBox {
 LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
                              const OptimizerConfig& options);
 
-/// The matcher `gauss-newton`, and the end of `simplex-newton`: iteratively reweighted least squares on the bilinear
-/// field with a robust cost [Huber1964], damped after [Levenberg1944, Marquardt1963]. Ours, not the paper's: it follows
-/// the field's slope, so it needs a tenth of a simplex's evaluations.
-struct GaussNewtonOptions {
-  float scale_cells = 1.0F;  ///< smaller distances count as squares, larger ones linearly
-  float stop_cells = 0.01F;  ///< stops when a step is smaller than this in x and y ...
-  float stop_rad = 0.0002F;  ///< ... and than this in theta
-  std::uint32_t max_evaluations = 50;
-};
-
-LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, const GaussNewtonOptions& options);
-
 /// Downhill simplex of Nelder and Mead [Nelder1965] over (x, y, theta), the paper's optimizer ("linear simplex"), with
 /// adds, multiplies and comparisons in float32 only. The walk itself is the kernel pose_simplex.
 struct SimplexOptions {
@@ -50,5 +38,10 @@ struct SimplexOptions {
 /// Translates the stop codes of the walking kernels.
 StopReason stop_reason(std::uint32_t stop);
 LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options);
+
+/// The matcher `gauss-newton`: iteratively reweighted least squares on the bilinear field with a redescending cost, its
+/// width narrowing. Ours, not the paper's: it follows the field's slope. The kernel pose_descent; the cost of the result
+/// is (4) at its end.
+LocalMinimum minimise_along_slope(Objective& objective, const CellPose& start, const PoseDescent::Params& descent);
 
 }  // namespace gdtslam

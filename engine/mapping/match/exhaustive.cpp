@@ -97,12 +97,12 @@ bool SearchWindow::has_at_edge(const CellPose& pose) const {
 }
 
 ExhaustiveResult search_window(Objective& objective, const SearchWindow& window, std::uint32_t starts,
-                               const SimplexOptions& polish) {
+                               const std::function<LocalMinimum(const CellPose&)>& descend) {
   const std::uint64_t before = objective.evaluations();
   const Lattice lattice = sample(objective, window);
   std::vector<LocalMinimum> polished;
   for (const std::size_t index : best_minima(lattice, starts)) {
-    polished.push_back(minimise_simplex(objective, lattice.poses[index], polish));
+    polished.push_back(descend(lattice.poses[index]));
   }
   const auto best = std::min_element(polished.begin(), polished.end(),
                                      [](const LocalMinimum& a, const LocalMinimum& b) { return a.cost < b.cost; });

@@ -1,8 +1,9 @@
-// Evaluates all poses of a window, then runs a simplex from each of the best local minima: the global solution up to
-// the grid's spacing.
+// Evaluates all poses of a window, then descends from each of the best local minima: the global solution up to the
+// grid's spacing.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "descents.hpp"
 #include "engine/mapping/cost/objective.hpp"
@@ -31,8 +32,8 @@ struct ExhaustiveResult {
   bool at_edge = false;  ///< the pose lies within half a step of the window's edge
 };
 
-/// Costs every sample, keeps the `starts` best local minima of the grid, polishes each.
+/// Costs every sample, keeps the `starts` best local minima of the grid, polishes each by `descend`.
 ExhaustiveResult search_window(Objective& objective, const SearchWindow& window, std::uint32_t starts,
-                               const SimplexOptions& polish);
+                               const std::function<LocalMinimum(const CellPose&)>& descend);
 
 }  // namespace gdtslam

@@ -17,6 +17,10 @@ constexpr float kLooseCells = 0.1F;
 constexpr float kLooseRad = 0.001F;
 constexpr double kMatchSigma_m = 0.01;  // error of a match itself
 constexpr double kMatchSigma_rad = 0.005;
+// First width of the slope's descent: in standard deviations of a point's predicted place, and from a sample of a window
+// as a share of the wide gate.
+constexpr double kErrorSigmas = 12.0;
+constexpr float kSampleShare = 0.75F;
 constexpr double kWindowSigmas = 4.0;  // half of a window in standard deviations, besides the configured half width
 
 /// A coordinate of a pose for the kernels. Values so small that a device could meet a subnormal number become 0,
@@ -41,6 +45,21 @@ MatchRules::MatchRules(const MapperConfig& config) : config_(config) {
   simplex.stop_cells = SimplexOptions{}.stop_cells;
   simplex.stop_rad = SimplexOptions{}.stop_rad;
   stages_.push_back({units(g.final_m), simplex});
+}
+
+PoseDescent::Params MatchRules::descent(double range_cells) const {
+  PoseDescent::Params descent = descent_from_sample();
+  const double error_cells = noise().sigma_m / config_.map.resolution_m + noise().sigma_rad * range_cells;
+  descent.width = static_cast<float>(std::min(kErrorSigmas * error_cells * kFieldOne, static_cast<double>(wide_gate())));
+  return descent;
+}
+
+PoseDescent::Params MatchRules::descent_from_sample() const {
+  PoseDescent::Params descent;
+  descent.width = kSampleShare * static_cast<float>(wide_gate());
+  descent.narrowing = static_cast<float>(config_.gate.narrowing);
+  descent.last_width = std::max(1.0F, static_cast<float>(final_gate()));
+  return descent;
 }
 
 // No cell exceeds 16 bits, so a larger gate has no effect.

@@ -11,6 +11,7 @@
 
 #include "descents.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_descent/pose_descent.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "exhaustive.hpp"
 #include "gdtslam/compute/kernel.hpp"
@@ -89,6 +90,11 @@ class MatchRules {
   [[nodiscard]] bool may_search() const { return !prediction_.is_hopeless; }
   /// From the wide gate to the final one, the simplex smaller each time.
   [[nodiscard]] const std::vector<DescentStage>& stages() const { return stages_; }
+  /// A descent along the slope from the prediction, for points with this mean distance from the robot, cells: its gates
+  /// begin where the prediction's error ends, and narrow to the final one.
+  [[nodiscard]] PoseDescent::Params descent(double range_cells) const;
+  /// The same from a sample of a window.
+  [[nodiscard]] PoseDescent::Params descent_from_sample() const;
   [[nodiscard]] std::uint32_t wide_gate() const { return stages_.front().gate; }
   [[nodiscard]] std::uint32_t final_gate() const { return stages_.back().gate; }
   /// Uncertainty of the prediction.

@@ -19,11 +19,6 @@ LocalMinimum by_simplex(Objective& objective, const CellPose& start, const Simpl
   return minimise_simplex(objective, start, steps);
 }
 
-LocalMinimum by_gauss_newton(Objective& objective, const CellPose& start, const SimplexOptions& steps,
-                             const OptimizerConfig& /*options*/) {
-  return minimise_gauss_newton(objective, start, {.stop_cells = steps.stop_cells, .stop_rad = steps.stop_rad});
-}
-
 template <MatcherKind kKind>
 LocalMinimum in_box(Objective& objective, const CellPose& start, const SimplexOptions& steps,
                     const OptimizerConfig& options) {
@@ -45,7 +40,7 @@ constexpr MatcherInfo walker(MatcherKind kind, std::string_view name, std::strin
           .place = MatcherPlace::kHost,
           .make = make<ScanMatcher>,
           .descend = descend,
-          .is_refined = kind == MatcherKind::kSimplexNewton,
+          .follows_slope = kind == MatcherKind::kGaussNewton,
           .proves_windows = kind == MatcherKind::kCertified};
 }
 
@@ -54,8 +49,7 @@ constexpr std::array kMatchers{
     walker(MatcherKind::kPso, "pso", "particle swarm", in_box<MatcherKind::kPso>),
     walker(MatcherKind::kSce, "sce", "shuffled complexes", in_box<MatcherKind::kSce>),
     walker(MatcherKind::kSimpsa, "simpsa", "annealed simplex", in_box<MatcherKind::kSimpsa>),
-    walker(MatcherKind::kGaussNewton, "gauss-newton", "robust least squares", by_gauss_newton),
-    walker(MatcherKind::kSimplexNewton, "simplex-newton", "simplex, its end refined by gauss-newton", by_simplex),
+    walker(MatcherKind::kGaussNewton, "gauss-newton", "robust least squares", nullptr),
     MatcherInfo{.kind = MatcherKind::kExhaustive,
                 .name = "exhaustive",
                 .doc = "a window for each scan, all on the device",

@@ -47,10 +47,10 @@ struct MatcherInfo {
   MatcherPlace place;
   std::unique_ptr<Matcher> (*make)(const MapperConfig& config, const GlobalField& map);
   /// One descent from a start to a minimum of (4), on the host. The first edges of `steps` state the error of the
-  /// start; null if the matcher only searches windows.
+  /// start; null if the matcher only searches windows or follows the slope.
   LocalMinimum (*descend)(Objective& objective, const CellPose& start, const SimplexOptions& steps,
                           const OptimizerConfig& options);
-  bool is_refined = false;      ///< ends the descent by robust least squares
+  bool follows_slope = false;   ///< descends by pose_descent, from the first gate to the last
   bool proves_windows = false;  ///< searches windows by branch and bound instead of samples
 };
 

@@ -171,36 +171,36 @@ void ScanMatcher::keep_points_within(std::uint32_t gate, const CellPose& pose) {
   objective_.set_points(enough ? std::span<const PointCells>(kept_) : points_);
 }
 
-LocalMinimum ScanMatcher::minimise(const CellPose& start, const DescentStage& stage) {
-  return matcher_->descend(objective_, start, stage.simplex, optimizer_);
-}
-
-// Near the end the points scatter around the walls, and squares average that better than the sum of distances.
-LocalMinimum ScanMatcher::refine(const CellPose& pose) {
-  const DescentStage& last = rules_.stages().back();
-  keep_points_within(last.gate, pose);
-  return minimise_gauss_newton(objective_, pose,
-                               {.stop_cells = last.simplex.stop_cells, .stop_rad = last.simplex.stop_rad});
-}
-
 // Equations (8) and (4) in turn, the gate narrowing around the best pose so far.
-ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
-  CellPose pose = start;
-  StopReason stop = StopReason::kNotRun;
-  objective_.set_cap(map_->cap());
+PolishedPose ScanMatcher::descend_through_gates(const CellPose& start) {
+  PolishedPose pose{start.x, start.y, start.theta};
   for (const DescentStage& stage : rules_.stages()) {
-    keep_points_within(stage.gate, pose);
-    const LocalMinimum found = minimise(pose, stage);
-    pose = found.pose;
-    stop = found.stop;
+    keep_points_within(stage.gate, {pose.x, pose.y, pose.theta});
+    const LocalMinimum found = matcher_->descend(objective_, {pose.x, pose.y, pose.theta}, stage.simplex, optimizer_);
+    pose = {found.pose.x, found.pose.y, found.pose.theta};
+    pose.stop = found.stop == StopReason::kConverged ? 1 : 2;
   }
-  if (matcher_->is_refined) {
-    const LocalMinimum refined = refine(pose);
-    pose = refined.pose;
-    stop = refined.stop;
-  }
+  return pose;
+}
+
+double ScanMatcher::mean_range_cells() const {
+  double sum = 0.0;
+  for (const PointCells& point : points_) sum += static_cast<double>(std::sqrt(point.x * point.x + point.y * point.y));
+  return sum / static_cast<double>(points_.size());
+}
+
+// A sample of a window is nearer to its minimum than the prediction may be.
+PolishedPose ScanMatcher::descend_along_slope(const CellPose& start) {
+  objective_.set_points(points_);
+  return objective_.descend(start, attempts_ > 0 ? rules_.descent_from_sample() : rules_.descent(mean_range_cells()));
+}
+
+ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
+  objective_.set_cap(map_->cap());
+  const PolishedPose end = matcher_->follows_slope ? descend_along_slope(start) : descend_through_gates(start);
+  const CellPose pose{end.x, end.y, end.theta};
   Estimate estimate{pose, judge(pose)};
-  estimate.evidence.stop = stop;
+  estimate.evidence.stop = stop_reason(end.stop);
   return estimate;
 }
 
@@ -242,7 +242,8 @@ ExhaustiveResult ScanMatcher::find_in(const SearchWindow& window) {
   if (crop_ != nullptr && !voters_.empty() && voters_.size() <= kMostCertifiedPoints) return prove_in(window);
   objective_.set_points(thinned_);
   objective_.set_cap(rules_.wide_gate());
-  return search_window(objective_, window, static_cast<std::uint32_t>(search_.starts), kCoarsePolish);
+  const auto polish = [this](const CellPose& start) { return minimise_simplex(objective_, start, kCoarsePolish); };
+  return search_window(objective_, window, static_cast<std::uint32_t>(search_.starts), polish);
 }
 
 // The best pose of a window for all voters, up to the gap, by the same cost as in search().

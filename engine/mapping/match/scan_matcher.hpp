@@ -35,8 +35,9 @@ class ScanMatcher final : public Matcher {
   };
 
   Estimate descend(const CellPose& start);
-  LocalMinimum minimise(const CellPose& start, const DescentStage& stage);
-  LocalMinimum refine(const CellPose& pose);
+  PolishedPose descend_along_slope(const CellPose& start);
+  PolishedPose descend_through_gates(const CellPose& start);
+  [[nodiscard]] double mean_range_cells() const;
   void keep_points_within(std::uint32_t gate, const CellPose& pose);
   [[nodiscard]] Evidence judge(const CellPose& pose);
   Estimate search(const Estimate& local);

@@ -65,7 +65,7 @@ struct SampleHashes {
 inline SampleHashes sample_hashes(bool with_loops) {
   std::ifstream file(GDTSLAM_SOURCE_DIR "/assets/expected/office-start.json");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  std::size_t at = text.find(R"("matcher": "simplex-newton")");
+  std::size_t at = text.find(R"("matcher": "gauss-newton")");
   if (with_loops) at = text.find(R"("loops": true)", at);
   const auto value = [&text, at](const std::string& key) {
     const std::string mark = "\"" + key + "\": \"";

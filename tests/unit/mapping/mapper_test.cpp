@@ -106,6 +106,7 @@ TEST_F(MapperTest, SurvivesOdometryWithTheSignOfDrivingWrong) {
 
 TEST_F(MapperTest, TheRuleAsPrintedLosesTheRoom) {
   MapperConfig config;
+  config.match.matcher = MatcherKind::kSimplex;  // the paper's
   config.search.when = SearchWhen::kNever;
   const auto working = map(good, {}, config);
   config.merge.rule = MergeRule::kLiteral;

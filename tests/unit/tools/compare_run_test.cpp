@@ -16,7 +16,7 @@ TEST(CompareRun, LocalMapsThatTakeEachOthersPlace) {
   job.logs = {test::kSampleLog + ".log.gz"};
   job.range.count = 200;
   job.mapper.local.stretch_m = 2.0;
-  job.methods = {MatcherKind::kSimplexNewton};
+  job.methods = {MatcherKind::kGaussNewton};
   job.scans = 20;
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   const CompareOutcome outcome = compare(

@@ -29,15 +29,11 @@ SimplexOptions simplex_options(const CompareProblem& problem, const StartReach& 
   return options;
 }
 
-// A refined end minimises the robust cost, not (4): the sum of squares of small distances.
-LocalMinimum by_walk(const MatcherInfo& matcher, const CompareProblem& problem, const CellPose& start,
-                     const StartReach& reach) {
-  const LocalMinimum near =
-      matcher.descend(problem.objective, start, simplex_options(problem, reach), problem.config.optimizer);
-  if (!matcher.is_refined) return near;
-  LocalMinimum end = minimise_gauss_newton(problem.objective, near.pose, {});
-  end.evaluations += near.evaluations;
-  return end;
+// The slope's descent minimises its own cost, not (4). Its first gate is as wide as the reach.
+LocalMinimum by_slope(const CompareProblem& problem, const CellPose& start, const StartReach& reach) {
+  PoseDescent::Params descent;
+  descent.width = std::max(descent.last_width, static_cast<float>(kFieldOne) * to_cells(reach.half_m, problem));
+  return minimise_along_slope(problem.objective, start, descent);
 }
 
 // The samples of `map --matcher exhaustive`; each of the best valleys is descended to its end.
@@ -49,7 +45,9 @@ LocalMinimum by_window(const CompareProblem& problem, const CellPose& start, con
                             .step_cells = to_cells(search.step_m, problem),
                             .step_rad = static_cast<float>(search.step_rad)};
   const ExhaustiveResult found =
-      search_window(problem.objective, window, static_cast<std::uint32_t>(search.starts), SimplexOptions{});
+      search_window(problem.objective, window, static_cast<std::uint32_t>(search.starts), [&](const CellPose& sample) {
+        return minimise_simplex(problem.objective, sample, SimplexOptions{});
+      });
   return {found.pose, found.cost, found.evaluations, StopReason::kConverged};
 }
 
@@ -117,7 +115,9 @@ LocalMinimum minimise_by(MatcherKind method, const CompareProblem& problem, cons
                          const StartReach& reach) {
   const MatcherInfo& matcher = matcher_info(method);
   if (matcher.proves_windows) return by_proof(problem, start, reach);
-  return matcher.descend != nullptr ? by_walk(matcher, problem, start, reach) : by_window(problem, start, reach);
+  if (matcher.follows_slope) return by_slope(problem, start, reach);
+  if (matcher.descend == nullptr) return by_window(problem, start, reach);
+  return matcher.descend(problem.objective, start, simplex_options(problem, reach), problem.config.optimizer);
 }
 
 LocalMinimum polished(Objective& objective, const CellPose& start) {

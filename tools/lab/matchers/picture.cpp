@@ -35,7 +35,7 @@ std::string_view method_dashes(MatcherKind method) {
   const MatcherInfo& matcher = matcher_info(method);
   if (matcher.proves_windows) return "2 4";
   if (matcher.place == MatcherPlace::kDevice) return "8 4";
-  return matcher.is_refined ? "10 3 2 3" : "";
+  return matcher.follows_slope ? "10 3 2 3" : "";
 }
 
 /// Not a number without trials; such values are not drawn.

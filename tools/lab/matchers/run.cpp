@@ -152,7 +152,7 @@ class Comparison {
     for (const Start& start : starts) {
       // A first run is not measured, else the fastest method would pay for loading field, points, code and clock into
       // caches.
-      run_method(MatcherKind::kSimplexNewton, problem, start);
+      run_method(MatcherKind::kGaussNewton, problem, start);
       for (std::uint32_t method = 0; method < job_.methods.size(); ++method) {
         End end = run_method(job_.methods[method], problem, start);
         end.method = method;

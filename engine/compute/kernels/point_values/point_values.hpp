@@ -4,13 +4,17 @@
 // to [0, width - 1] x [0, height - 1]. Unlike pose_cost, u and v are not quantised first. No coordinate may be NaN.
 #pragma once
 
-#include "engine/compute/kernels/pose_slope/pose_slope.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 
 namespace gdtslam {
 
 struct PointValues {
   using Params = PoseCost::Params;  ///< cap, interpolation and form do not matter
-  using Pose = PoseSlope::Pose;
+  struct Pose {
+    float x = 0.0F;
+    float y = 0.0F;
+    float theta = 0.0F;
+  };
 };
 
 }  // namespace gdtslam

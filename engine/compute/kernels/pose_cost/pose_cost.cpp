@@ -50,14 +50,10 @@ void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t
   functions_or_throw(isa).pose_cost(params, field, points, candidates, cost, {0, count});
 }
 
-PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const std::uint16_t* field,
-                                const PointCells* points, const PoseSlope::Pose& pose) {
-  const PoseCost::Params& grid = params.grid;
-  assert(grid.width >= 2 && grid.height >= 2 && params.scale > 0.0F);
-  static_cast<void>(grid);
-  PoseSlope::Sums sums{};
-  functions_or_throw(isa).pose_slope(params, field, points, pose, sums.data());
-  return sums;
+void pose_descent_host(Isa isa, const PoseDescent::Params& params, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint32_t count) {
+  assert(params.grid.width >= 2 && params.grid.height >= 2 && params.width > 0.0F && params.last_width > 0.0F);
+  functions_or_throw(isa).pose_descent(params, field, points, poses, {0, count});
 }
 
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,

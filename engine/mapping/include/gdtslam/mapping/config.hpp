@@ -22,7 +22,6 @@ enum class MatcherKind : std::uint8_t {
   kSce,
   kSimpsa,
   kGaussNewton,
-  kSimplexNewton,
   kExhaustive,
   kCertified
 };
@@ -66,7 +65,7 @@ struct KeyframeConfig {
 
 /// The matcher, and the cost that it minimises.
 struct MatchConfig {
-  MatcherKind matcher = MatcherKind::kSimplexNewton;
+  MatcherKind matcher = MatcherKind::kGaussNewton;
   CostForm cost = CostForm::kDistance;
   Interpolation interpolation = Interpolation::kBilinear;
 };
