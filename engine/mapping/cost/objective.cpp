@@ -67,12 +67,13 @@ PolishedPose Objective::descend(const CellPose& start, PoseDescent::Params desce
   return pose;
 }
 
-void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs) {
+void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs,
+                         Interpolation interpolation) {
   assert(poses.size() == costs.size());
   evaluations_ += poses.size();
   candidates_.clear();
   for (const CellPose& pose : poses) candidates_.push_back({pose.x, pose.y, pose.theta, prior_cost(pose)});
-  const PoseCost::Params p = params(interpolation_, points_.size());
+  const PoseCost::Params p = params(interpolation, points_.size());
   if (poses.size() <= kSmallBatch && !map_->memory().empty()) {
     pose_cost_host(backend_->host_isa(), p, map_->memory().data(), points_.data(), candidates_.data(),
                    static_cast<std::uint32_t>(poses.size()), costs.data());

@@ -53,7 +53,10 @@ class Objective {
   void set_prior(const PriorParams& prior) { prior_ = prior; }
 
   /// Costs of a batch of poses, prior included; one dispatch on the backend when the batch is large.
-  void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
+  void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs) {
+    evaluate(poses, costs, interpolation_);
+  }
+  void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs, Interpolation interpolation);
   std::uint32_t evaluate(const CellPose& pose);
   /// Runs a simplex from the pose on this thread and returns its end; the cost and the prior of `walk` must be those
   /// below.

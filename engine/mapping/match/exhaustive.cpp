@@ -55,7 +55,7 @@ Lattice sample(Objective& objective, const SearchWindow& window) {
     }
   }
   lattice.costs.resize(lattice.poses.size());
-  objective.evaluate(lattice.poses, lattice.costs);
+  objective.evaluate(lattice.poses, lattice.costs, Interpolation::kNearest);
   return lattice;
 }
 
