@@ -67,8 +67,7 @@ PolishedPose Objective::descend(const CellPose& start, PoseDescent::Params desce
   return pose;
 }
 
-void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs,
-                         Interpolation interpolation) {
+void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs, Interpolation interpolation) {
   assert(poses.size() == costs.size());
   evaluations_ += poses.size();
   candidates_.clear();

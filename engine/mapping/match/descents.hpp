@@ -40,8 +40,8 @@ StopReason stop_reason(std::uint32_t stop);
 LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options);
 
 /// The matcher `gauss-newton`: iteratively reweighted least squares on the bilinear field with a redescending cost, its
-/// width narrowing. Ours, not the paper's: it follows the field's slope. The kernel pose_descent; the cost of the result
-/// is (4) at its end.
+/// width narrowing. Ours, not the paper's: it follows the field's slope. The kernel pose_descent; the cost of the
+/// result is (4) at its end.
 LocalMinimum minimise_along_slope(Objective& objective, const CellPose& start, const PoseDescent::Params& descent);
 
 }  // namespace gdtslam

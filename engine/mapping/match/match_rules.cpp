@@ -17,8 +17,8 @@ constexpr float kLooseCells = 0.1F;
 constexpr float kLooseRad = 0.001F;
 constexpr double kMatchSigma_m = 0.01;  // error of a match itself
 constexpr double kMatchSigma_rad = 0.005;
-// First width of the slope's descent: in standard deviations of a point's predicted place, and from a sample of a window
-// as a share of the wide gate.
+// First width of the slope's descent: in standard deviations of a point's predicted place, and from a sample of a
+// window as a share of the wide gate.
 constexpr double kErrorSigmas = 12.0;
 constexpr float kSampleShare = 0.75F;
 constexpr double kWindowSigmas = 4.0;  // half of a window in standard deviations, besides the configured half width
@@ -50,7 +50,8 @@ MatchRules::MatchRules(const MapperConfig& config) : config_(config) {
 PoseDescent::Params MatchRules::descent(double range_cells) const {
   PoseDescent::Params descent = descent_from_sample();
   const double error_cells = noise().sigma_m / config_.map.resolution_m + noise().sigma_rad * range_cells;
-  descent.width = static_cast<float>(std::min(kErrorSigmas * error_cells * kFieldOne, static_cast<double>(wide_gate())));
+  descent.width =
+      static_cast<float>(std::min(kErrorSigmas * error_cells * kFieldOne, static_cast<double>(wide_gate())));
   return descent;
 }
 

@@ -169,8 +169,8 @@ TEST(PoseDescentStep, IsThatOfItsDefinition) {
             const bool is_taken = first.cost_after < first.cost_before;
             (is_taken ? taken : undone) += 1;
             const PolishedPose& expected = is_taken ? first.end : start;
-            const double size = std::hypot(static_cast<double>(first.end.x - start.x),
-                                           static_cast<double>(first.end.y - start.y));
+            const double size =
+                std::hypot(static_cast<double>(first.end.x - start.x), static_cast<double>(first.end.y - start.y));
             ASSERT_NEAR(pose.x, expected.x, 2e-3 * size + 1e-4);
             ASSERT_NEAR(pose.y, expected.y, 2e-3 * size + 1e-4);
             ASSERT_NEAR(pose.theta, expected.theta, 2e-3 * size + 1e-4);

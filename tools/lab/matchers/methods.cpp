@@ -44,10 +44,9 @@ LocalMinimum by_window(const CompareProblem& problem, const CellPose& start, con
                             .half_theta_rad = static_cast<float>(reach.half_rad),
                             .step_cells = to_cells(search.step_m, problem),
                             .step_rad = static_cast<float>(search.step_rad)};
-  const ExhaustiveResult found =
-      search_window(problem.objective, window, static_cast<std::uint32_t>(search.starts), [&](const CellPose& sample) {
-        return minimise_simplex(problem.objective, sample, SimplexOptions{});
-      });
+  const ExhaustiveResult found = search_window(
+      problem.objective, window, static_cast<std::uint32_t>(search.starts),
+      [&](const CellPose& sample) { return minimise_simplex(problem.objective, sample, SimplexOptions{}); });
   return {found.pose, found.cost, found.evaluations, StopReason::kConverged};
 }
 

@@ -16,15 +16,7 @@
 namespace gdtslam {
 
 /// matchers.hpp has their table.
-enum class MatcherKind : std::uint8_t {
-  kSimplex,
-  kPso,
-  kSce,
-  kSimpsa,
-  kGaussNewton,
-  kExhaustive,
-  kCertified
-};
+enum class MatcherKind : std::uint8_t { kSimplex, kPso, kSce, kSimpsa, kGaussNewton, kExhaustive, kCertified };
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
 /// The field's grid.
