@@ -40,6 +40,19 @@ struct MappedRoom {
   Objective objective{map, Interpolation::kBilinear, CostForm::kDistance};
 };
 
+TEST(GaussNewton, StaysWhereItIsOffTheMap) {
+  MappedRoom room(Isa::kBaseline);
+  const std::vector<PointCells> points = room.scan_from({});
+  room.objective.set_points(points);
+  for (const CellPose& pose : {CellPose{1.0e5F, 0.0F, 0.0F}, CellPose{-1.0e5F, 3.0e6F, 1.0F}}) {
+    const LocalMinimum end = minimise_along_slope(room.objective, pose, {});
+    EXPECT_EQ(end.pose.x, pose.x);
+    EXPECT_EQ(end.pose.y, pose.y);
+    EXPECT_EQ(end.pose.theta, pose.theta);
+    EXPECT_EQ(end.cost, points.size() * room.map.cap());
+  }
+}
+
 // 200 starts of the size that the odometry is off between two keyframes.
 TEST(GaussNewton, FindsTheTruthAsOftenAsTheSimplexWithAThirdOfItsEvaluations) {
   MappedRoom room(Isa::kBaseline);

@@ -88,6 +88,7 @@ constexpr MatcherKind kExhaustive = MatcherKind::kExhaustive;
 std::string suffix_of(MatcherKind matcher) { return matcher == kDefault ? "" : "_exhaustive"; }
 
 INSTANTIATE_TEST_SUITE_P(Logs, RealLogTest,
+                         // Largest error on Intel: 0.25 m with the default before; it now finds its old walls late.
                          testing::Values(RealLog{"intel", kDefault, 0.030, 0.40, 0.45},
                                          RealLog{"fr079", kDefault, 0.035, 0.50, 0.25},
                                          RealLog{"mit-csail", kDefault, 0.035, 0.45, 0.35},
@@ -174,10 +175,11 @@ INSTANTIATE_TEST_SUITE_P(Matchers, SampleLogTest, testing::Values(kDefault, kExh
 
 TEST(SampleLogRule, TheMergeRuleAsPrintedMissesTheBound) {
   MapperConfig config;
+  config.match.matcher = MatcherKind::kSimplex;  // the paper's
   config.merge.rule = MergeRule::kLiteral;
   config.search.attempts = 1;
   const LogOutcome run = map_scans(scans_of(test::kSampleLog + ".log.gz"), test::true_relations(), config);
-  EXPECT_GT(run.report.all.translation_m.mean, 0.1);
+  EXPECT_GT(run.report.all.translation_m.mean, 0.3);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // The descent of a pose (pose_descent.hpp). Three steps for a block of points: position, look-up, sums; plain loops over
-// whole vectors that the compiler makes wide. The lanes are those of the header on every instruction set, so that sums
-// of float32 have the same bits.
+// whole vectors that the compiler makes wide. Every instruction set has the header's lanes, and so the same sums.
 
 constexpr std::uint32_t kSlopeLanes = PoseDescent::kLanes;
 constexpr std::uint32_t kSlopeBlock = 2 * kSlopeLanes;
