@@ -7,7 +7,6 @@
 #include <iterator>
 #include <optional>
 
-#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
@@ -75,8 +74,7 @@ std::vector<Option> match_options(MapperConfig& c) {
       {"match.interpolation", "How the distance field is read between the centres of its cells", Unit::kNone, 0, 0,
        Choice(c.match.interpolation, kInterpolations), kAdvanced},
       {"gate.wide",
-       "First gate of equation (8): points farther from the map do not count; with the matcher exhaustive they count "
-       "as the gate",
+       "First gate of equation (8): points farther from the map do not count; in a window's samples they count as it",
        Unit::kMetre, 0.01, 10.0, &c.gate.wide_m, kAdvanced},
       {"gate.final", "Last gate of equation (8), 20 m * sin 0.25 deg in the paper", Unit::kMetre, 0.01, 10.0,
        &c.gate.final_m, kAdvanced},
@@ -120,7 +118,7 @@ std::vector<Option> optimizer_options(MapperConfig& c) {
 
 std::vector<Option> search_options(MapperConfig& c) {
   return {
-      {"search.when", "When the matcher simplex searches a window of poses; exhaustive always does", Unit::kNone, 0, 0,
+      {"search.when", "When a window of poses is searched; the matcher exhaustive always does", Unit::kNone, 0, 0,
        Choice(c.search.when, kSearchTimes)},
       {"search.half_width", "Half width of the window that is searched around a robot at rest", Unit::kMetre, 0.0,
        100.0, &c.search.half_m},
@@ -134,12 +132,12 @@ std::vector<Option> search_options(MapperConfig& c) {
        &c.search.step_m, kAdvanced},
       {"search.step_angle", "Angle between two samples of the searched window", Unit::kRadian, 0.0005, 3.15,
        &c.search.step_rad, kAdvanced},
-      {"search.starts", "Best local minima of the searched window that are polished", Unit::kNone, 1,
-       SmallestValues::kMost, &c.search.starts, kAdvanced},
+      {"search.starts", "Best local minima of the searched window that are polished", Unit::kNone, 1, 16,
+       &c.search.starts, kAdvanced},
       {"search.max_half_width", "Half width beyond which the searched window never grows", Unit::kMetre, 0.0, 1000.0,
        &c.search.max_half_m, kAdvanced},
       {"search.max_points", "Points that a scan is thinned to before a window is searched", Unit::kNone, 8,
-       Matcher::kMostPoints, &c.search.max_points, kAdvanced},
+       kMostMatchedPoints, &c.search.max_points, kAdvanced},
       {"search.attempts", "Windows tried, each twice as large as the last, while the match is in doubt", Unit::kNone, 1,
        8, &c.search.attempts, kAdvanced},
       {"search.gap",

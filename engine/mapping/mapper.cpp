@@ -10,6 +10,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
+#include "engine/mapping/match/scan_matcher.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -73,7 +74,7 @@ struct Mapper::State {
   std::unique_ptr<MatchedMap> map;   // map that scans are matched with
   std::unique_ptr<MatchedMap> next;  // next local map, half a stretch younger
   double stretch_m = 0.0;            // path since `next` was begun
-  std::unique_ptr<Matcher> matcher;
+  std::unique_ptr<ScanMatcher> matcher;
   std::optional<DeviceError> loss;
   std::string loss_text;
   Backend* at_work = nullptr;  // the backend that runs the matcher
@@ -119,7 +120,7 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
       cpu(own_cpu ? own_cpu.get() : &backend),
       motion(config.odometry),
       scan_points(config.scan) {
-  if (own_cpu && matcher_info(config.match.matcher).place == MatcherPlace::kDevice) device = &backend;
+  if (own_cpu && matcher_info(config.match.matcher).follows_slope) device = &backend;
   count_work(device != nullptr ? backend : *cpu);
   if (config.odometry.estimate) estimate.emplace();
   or_on_cpu([&] {
@@ -130,7 +131,7 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
   if (options.with_loops) loops = std::make_unique<LoopClosing>(config, options);
 }
 
-void Mapper::State::open_matcher() { matcher = matcher_info(config.match.matcher).make(config, map->matched()); }
+void Mapper::State::open_matcher() { matcher = std::make_unique<ScanMatcher>(config, map->matched()); }
 
 // A failure of the CPU is final: the same step would fail again.
 void Mapper::State::leave_device(const DeviceError& error) {
@@ -170,7 +171,7 @@ void Mapper::State::see(PointScan given) {
   scan = std::move(given);
   points = in_cells(scan.points_base_m, config.map.resolution_m);
   points.resize(points.size() - scan.unknown_points);
-  thin(points, Matcher::kMostPoints);
+  thin(points, kMostMatchedPoints);
 }
 
 void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
@@ -187,7 +188,7 @@ MatchResult Mapper::State::match() {
   if (is_matched) {
     if (estimate) {
       points = in_cells(estimate->points_to_match(scan, config.scan.min_points), config.map.resolution_m);
-      thin(points, Matcher::kMostPoints);
+      thin(points, kMostMatchedPoints);
     }
     return or_on_cpu([&] { return matcher->match(points, prediction, wants_search(prediction.T_map_base)); });
   }
@@ -223,7 +224,7 @@ bool Mapper::State::wants_search(const Pose2& predicted) const {
 
 // Runs before the scan is merged into the map, where it would confirm itself.
 void Mapper::State::weigh(MatchResult& result) {
-  if (!options.with_covariance || device != nullptr) return;
+  if (!options.with_covariance) return;
   const MotionNoise unknown{prediction.travelled_m, prediction.turned_rad};
   certainty.carry(motion.pose(), prediction,
                   estimate ? MotionNoise{result.odometry_sigma_m, result.odometry_sigma_rad} : unknown);

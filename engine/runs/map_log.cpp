@@ -121,7 +121,7 @@ class LogRun {
       ScanStream scans(request_.logs, read_options(), request_.range, [this](std::size_t log) { return open(log); });
       const NodKind kind = nod_kind_of_start(request_, scans);
       const bool has_work =
-          kind != NodKind::kNone || matcher_info(request_.settings.mapper.match.matcher).place == MatcherPlace::kDevice;
+          kind != NodKind::kNone || matcher_info(request_.settings.mapper.match.matcher).always_searches;
       Backend& backend = backend_of_(has_work);
       prepare(kind, scans);
       return write(map(std::move(scans), backend), backend.device());

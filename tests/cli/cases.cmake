@@ -126,7 +126,7 @@ gdtslam_cli_test(config.show_origin ARGS config show -c {data}/good.yaml --set "
 gdtslam_cli_test(config.show_json ARGS config show --json SCHEMA config_show)
 gdtslam_cli_test(config.schema ARGS config schema STDOUT "\\$schema.*map.*resolution")
 gdtslam_cli_test(verify.cpu ARGS verify --device cpu jump STDOUT "^cpu .*\nkernel +cases +values +different +largest\njump_flood_init +[0-9]+ +[0-9]+ +0 +0\n.*\nPASS: 0 differences\n$")
-gdtslam_cli_test(verify.cpu_json ARGS verify --device cpu smallest_values --random 200 --seed 7 --json SCHEMA verify STDOUT "\"differences\": 0,\n  \"passed\": true\n")
+gdtslam_cli_test(verify.cpu_json ARGS verify --device cpu seed_scatter --random 200 --seed 7 --json SCHEMA verify STDOUT "\"differences\": 0,\n  \"passed\": true\n")
 gdtslam_cli_test(verify.cpu_log ARGS verify --device cpu logs --log {log} STDOUT "office-start.log.gz, exhaustive: 350 scans, map [0-9a-f]+, trajectory [0-9a-f]+: equal, and as shipped\n.*gauss-newton, loops closed: 350 scans, .*nodding-start.log.gz, gauss-newton, loops closed: 608 scans, .*, cloud [0-9a-f]+: equal, and as shipped\n.*office.log, gauss-newton: [0-9]+ scans, .*: equal\n")
 gdtslam_cli_test(verify.unknown ARGS verify --device cpu no_such_kernel EXIT 2 STDERR "no kernel's name contains 'no_such_kernel'")
 gdtslam_cli_test(verify.missing_log ARGS verify logs --device cpu --log nowhere.log EXIT 74 STDERR "nowhere.log: cannot be opened")

@@ -155,7 +155,7 @@ WORDS = (b"\xff", b"name=\xff", b"", b"nan", b"inf m", b"1e999", b"-1", b"0", b"
          b"x\ny", b"/dev/null", b"/dev/null/x", b".", b"\xc3(:=,", b"=", b",", b"1,2,3", b"\x1b[2J", b"../../..", b"map.resolution=")
 WORDS_OF_COMMANDS = (f"map {LOG} -o out --no-pictures --first 5", f"edit {RUN} -o out --origin 1,1,90", f"render {RUN} -o out.png --size 64x48", f"localize {RUN} {LOG} --scan 0", f"doctor {LOG}",
                      f"convert {LOG} -o out.csv", f"evaluate {DATA}/few.ply --planes", f"evaluate {RUN} --reference {RUN}",
-                     "linkage paper-b", "simulate three-boxes -o out.log --rate 1", "verify smallest_values --device cpu", "config show")
+                     "linkage paper-b", "simulate three-boxes -o out.log --rate 1", "verify seed_scatter --device cpu", "config show")
 
 
 def hostile_words():

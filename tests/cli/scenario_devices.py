@@ -43,7 +43,7 @@ def everything_works_without(changes, words, scenario):
     for device in ("auto", "cpu"):
         report = mapped(folder / device, "--first", 20, "--device", device, env=env)
         expect(report["device"]["kind"] == "cpu", f"--device {device} took {report['device']}")
-    expect_exit(command("verify", "smallest_values", "--device", "cpu", env=env), 0)
+    expect_exit(command("verify", "seed_scatter", "--device", "cpu", env=env), 0)
 
 
 def no_vulkan_driver():
@@ -258,7 +258,7 @@ def device_that_fails():
         one_error_line(process.stderr)
         expect(call in process.stderr and code in process.stderr, process.stderr)
         expect(not (folder / "no").exists(), "a folder of results without results")
-        process = command("verify", "smallest_values", "--device", "vulkan", env=env)
+        process = command("verify", "seed_scatter", "--device", "vulkan", env=env)
         if at == 1:
             expect_exit(process, 1)
             one_error_line(process.stderr)

@@ -60,7 +60,7 @@ def home_is_not_made():
     expect_exit(command("doctor", "--devices", env=env), 0)
     expect_exit(command("map", LOG, "--first", 5, "-o", folder / "run", "-q", env=env), 0)
     if cli.vulkan_devices():
-        expect_exit(command("verify", "--device", "vulkan:0", "smallest_values", "-q", env=env), 0)
+        expect_exit(command("verify", "--device", "vulkan:0", "seed_scatter", "-q", env=env), 0)
     expect(not (folder / "home").exists(), f"a home: {sorted(digests(folder))}")
 
 

@@ -148,6 +148,27 @@ std::uint32_t brute_pose_cost(const PoseCost::Params& params, const std::vector<
   return static_cast<std::uint32_t>(std::min<std::int64_t>(sum, kNone));
 }
 
+std::vector<std::uint16_t> brute_point_values(const PointValues::Params& params,
+                                              const std::vector<std::uint16_t>& field,
+                                              const std::vector<PointCells>& points, const PointValues::Pose& pose) {
+  const SinCos<float> rotation = sin_cos(pose.theta);
+  const auto cell = [](float coordinate, std::int32_t anchor, std::uint32_t size) {
+    volatile float wanted = std::floor(coordinate) + static_cast<float>(anchor);
+    const float in_grid = wanted;
+    return static_cast<std::size_t>(std::clamp(in_grid, 0.0F, static_cast<float>(size - 1)));
+  };
+  std::vector<std::uint16_t> values;
+  for (const PointCells& point : points) {
+    const float u = mapped(rotation.cos, point.x, -rotation.sin, point.y, pose.x);
+    const float v = mapped(rotation.sin, point.x, rotation.cos, point.y, pose.y);
+    const std::size_t x = cell(u, params.anchor_x, params.width);
+    const std::size_t y = cell(v, params.anchor_y, params.height);
+    const std::uint32_t found = field[x / 64 * params.strip + x % 64 + y * params.stride];
+    values.push_back(static_cast<std::uint16_t>(found ^ params.blank));
+  }
+  return values;
+}
+
 std::vector<std::uint16_t> truncated(const std::vector<std::uint32_t>& sq_distances, std::uint32_t radius) {
   std::vector<std::uint16_t> result(sq_distances.size());
   std::transform(sq_distances.begin(), sq_distances.end(), result.begin(),

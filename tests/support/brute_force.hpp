@@ -8,6 +8,7 @@
 #include "engine/compute/cases/kernel_cases.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 
 namespace gdtslam::test {
@@ -32,6 +33,11 @@ std::uint16_t brute_merge(const GdtMerge::Params& params, std::uint16_t global, 
 /// Cost of one candidate, in wide integers.
 std::uint32_t brute_pose_cost(const PoseCost::Params& params, const std::vector<std::uint16_t>& field,
                               const std::vector<PointCells>& points, const PoseCandidate& candidate);
+
+/// The field under each point at a pose, as point_values.hpp describes it.
+std::vector<std::uint16_t> brute_point_values(const PointValues::Params& params,
+                                              const std::vector<std::uint16_t>& field,
+                                              const std::vector<PointCells>& points, const PointValues::Pose& pose);
 
 /// Squared distances as kernels give them: at most the squared radius.
 std::vector<std::uint16_t> truncated(const std::vector<std::uint32_t>& sq_distances, std::uint32_t radius);

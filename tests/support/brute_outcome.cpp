@@ -10,8 +10,7 @@
 
 #include "brute_bounds.hpp"
 #include "brute_force.hpp"
-#include "brute_lattice.hpp"
-#include "brute_polish.hpp"
+#include "brute_slope.hpp"
 #include "brute_sweep.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
@@ -174,20 +173,6 @@ void stamp_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   outcome.contents[0] = bytes_of(field);
 }
 
-void lattice_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
-  outcome.contents[0] = bytes_of(brute_lattice(params_of<PoseLattice::Params>(kernel_case)));
-}
-
-void minima_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
-  const auto costs = values_of<std::uint32_t>(outcome.contents[0]);
-  outcome.contents[1] = bytes_of(brute_minima(params_of<LatticeMinima::Params>(kernel_case), costs));
-}
-
-void smallest_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
-  const auto values = values_of<std::uint32_t>(outcome.contents[0]);
-  outcome.contents[1] = bytes_of(brute_smallest(values, params_of<SmallestValues::Params>(kernel_case).wanted));
-}
-
 void scatter_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const auto cells = values_of<std::uint32_t>(outcome.contents[0]);
   const std::set<std::uint32_t> named(cells.begin(), cells.end());
@@ -209,26 +194,20 @@ void grow_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   });
 }
 
-void starts_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
-  outcome.contents[2] =
-      bytes_of(brute_starts(params_of<PoseStarts::Params>(kernel_case), values_of<PoseCandidate>(outcome.contents[0]),
-                            values_of<std::uint32_t>(outcome.contents[1]), kernel_case.threads.x));
-}
-
-void simplex_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+void descent_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<PoseDescent::Params>(kernel_case);
   const auto field = values_of<std::uint16_t>(outcome.contents[0]);
   const auto points = values_of<PointCells>(outcome.contents[1]);
   auto poses = values_of<PolishedPose>(outcome.contents[2]);
+  std::vector<std::uint16_t> values;
   for (PolishedPose& pose : poses) {
-    pose = brute_descent(params_of<PoseSimplex::Params>(kernel_case), field, points, pose);
+    pose = brute_slope_descent(params, field, points, pose);
+    const std::vector<std::uint16_t> row = brute_point_values(params.grid, field, points, {pose.x, pose.y, pose.theta});
+    values.insert(values.end(), row.begin(), row.end());
+    if (points.size() % 2 != 0) values.push_back(0);
   }
   outcome.contents[2] = bytes_of(poses);
-}
-
-void choice_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
-  outcome.contents[3] = bytes_of(std::vector{
-      brute_choice(params_of<ChoosePose::Params>(kernel_case), values_of<std::uint16_t>(outcome.contents[0]),
-                   values_of<PointCells>(outcome.contents[1]), values_of<PolishedPose>(outcome.contents[2]))});
+  outcome.contents[3] = bytes_of(values);
 }
 
 void sweep_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
@@ -264,14 +243,9 @@ const std::map<std::string_view, Oracle>& oracles() {
                                                         {"distance_field", field_oracle},
                                                         {"pose_cost", cost_oracle},
                                                         {"gdt_merge", merge_oracle},
-                                                        {"pose_lattice", lattice_oracle},
-                                                        {"lattice_minima", minima_oracle},
-                                                        {"smallest_values", smallest_oracle},
                                                         {"seed_scatter", scatter_oracle},
                                                         {"field_grow", grow_oracle},
-                                                        {"pose_starts", starts_oracle},
-                                                        {"pose_simplex", simplex_oracle},
-                                                        {"choose_pose", choice_oracle},
+                                                        {"pose_descent", descent_oracle},
                                                         {"sweep_points", sweep_oracle},
                                                         {"pose_bounds", bounds_oracle},
                                                         {"gdt_stamp", stamp_oracle}};

@@ -4,25 +4,13 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "brute_force.hpp"
-#include "brute_lattice.hpp"
+#include "single.hpp"
 
 namespace gdtslam::test {
 namespace {
-
-/// A float32 whose operations go through double and are rounded once more, which rounds them correctly: 53 bits are
-/// more than 2 * 24 + 2. Nothing can be contracted so.
-struct Single {
-  float value = 0.0F;
-  friend Single operator+(Single a, Single b) { return rounded(wide(a) + wide(b)); }
-  friend Single operator-(Single a, Single b) { return rounded(wide(a) - wide(b)); }
-  friend Single operator*(Single a, Single b) { return rounded(wide(a) * wide(b)); }
-
- private:
-  static double wide(Single a) { return static_cast<double>(a.value); }
-  static Single rounded(double exact) { return {static_cast<float>(exact)}; }
-};
 
 using Coordinates = std::array<Single, 3>;  // x, y, theta
 
@@ -35,6 +23,17 @@ Coordinates on_line(const Coordinates& origin, const Coordinates& end, float fac
     result[k] = origin[k] + Single{factor} * (end[k] - origin[k]);
   }
   return result;
+}
+
+/// The prior's cost of a pose, cut towards zero.
+std::uint32_t prior_cost(const PriorParams& prior, const Coordinates& at) {
+  const Single dx = at[0] - Single{prior.mean_x};
+  const Single dy = at[1] - Single{prior.mean_y};
+  const Single dt = at[2] - Single{prior.mean_theta};
+  const auto limited = [&](Single cost) { return cost.value < prior.limit ? cost : Single{prior.limit}; };
+  const Single shift = limited((dx * dx + dy * dy) * Single{prior.weight_xy});
+  const Single turn = limited((dt * dt) * Single{prior.weight_theta});
+  return static_cast<std::uint32_t>((shift + turn).value);
 }
 
 class Descent {
@@ -67,8 +66,7 @@ class Descent {
  private:
   std::uint32_t cost(const Coordinates& at) {
     ++calls_;
-    const PoseCandidate pose{at[0].value, at[1].value, at[2].value,
-                             brute_prior_cost(params_.prior, at[0].value, at[1].value, at[2].value)};
+    const PoseCandidate pose{at[0].value, at[1].value, at[2].value, prior_cost(params_.prior, at)};
     return brute_pose_cost(params_.cost, field_, points_, pose);
   }
 
@@ -136,112 +134,12 @@ class Descent {
   std::uint64_t calls_ = 0;
 };
 
-/// Field values under the points at a pose, nearest cell, one call of the cost for each.
-std::vector<std::uint32_t> values_at(const ChoosePose::Params& params, const std::vector<std::uint16_t>& field,
-                                     const std::vector<PointCells>& points, const PolishedPose& pose) {
-  PoseCost::Params single = params.cost;
-  single.interpolation = Interpolation::kNearest;
-  single.form = CostForm::kDistance;
-  single.cap = 65535;
-  std::vector<std::uint32_t> values;
-  for (const PointCells& point : points) {
-    values.push_back(brute_pose_cost(single, field, {point}, {pose.x, pose.y, pose.theta, 0}));
-  }
-  return values;
-}
-
-template <class Condition>
-std::uint32_t count_of(const std::vector<std::uint32_t>& values, Condition condition) {
-  return static_cast<std::uint32_t>(std::count_if(values.begin(), values.end(), condition));
-}
-
-void count_evidence(const ChoosePose::Params& params, const std::vector<std::uint32_t>& values, MatchVerdict& verdict) {
-  std::uint64_t sum = 0;
-  for (const std::uint32_t value : values) {
-    sum += std::min(value, params.cost.cap);
-  }
-  verdict.sum = static_cast<std::uint32_t>(sum);
-  verdict.near = count_of(values, [&](std::uint64_t v) { return v <= params.gate; });
-  verdict.beside =
-      count_of(values, [&](std::uint64_t v) { return v > 2 * std::uint64_t{params.gate} && v < params.map_cap; });
-  verdict.known = count_of(values, [&](std::uint64_t v) { return v < params.map_cap; });
-}
-
-bool far_from_mean(const ChoosePose::Params& params, const PolishedPose& pose) {
-  const Single dx = Single{pose.x} - Single{params.prior.mean_x};
-  const Single dy = Single{pose.y} - Single{params.prior.mean_y};
-  const Single dt = Single{pose.theta} - Single{params.prior.mean_theta};
-  return (dx * dx + dy * dy).value > params.far_sq_cells || dt.value > params.far_rad || -dt.value > params.far_rad;
-}
-
 }  // namespace
-
-std::vector<PolishedPose> brute_starts(const PoseStarts::Params& params, const std::vector<PoseCandidate>& candidates,
-                                       const std::vector<std::uint32_t>& picks, std::size_t count) {
-  std::vector<PolishedPose> starts;
-  for (std::size_t i = 0; i < count; ++i) {
-    PolishedPose start;
-    start.x = params.x;
-    start.y = params.y;
-    start.theta = params.theta;
-    if (i > 0 && picks.at(2 * (i - 1) + 1) < params.candidate_count) {
-      const PoseCandidate& candidate = candidates.at(picks[2 * (i - 1) + 1]);
-      start.x = candidate.x;
-      start.y = candidate.y;
-      start.theta = candidate.theta;
-    }
-    starts.push_back(start);
-  }
-  return starts;
-}
 
 PolishedPose brute_descent(const PoseSimplex::Params& params, const std::vector<std::uint16_t>& field,
                            const std::vector<PointCells>& points, const PolishedPose& start, BruteMoves* moves) {
   BruteMoves unused;
   return Descent(params, field, points, moves == nullptr ? unused : *moves).from(start);
-}
-
-MatchVerdict brute_choice(const ChoosePose::Params& params, const std::vector<std::uint16_t>& field,
-                          const std::vector<PointCells>& points, const std::vector<PolishedPose>& poses) {
-  MatchVerdict local;
-  const std::vector<std::uint32_t> local_values = values_at(params, field, points, poses.at(0));
-  count_evidence(params, local_values, local);
-  const bool suspect = std::uint64_t{local.beside} * 65536 > std::uint64_t{params.contradiction_q16} * local.known ||
-                       std::uint64_t{local.near} * 65536 < std::uint64_t{params.overlap_q16} * points.size();
-  std::vector<PointCells> voters;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (suspect || (local_values[i] < params.cost.cap && local_values[i] < params.map_cap)) {
-      voters.push_back(points[i]);
-    }
-  }
-  std::map<std::pair<std::uint64_t, std::uint32_t>, PolishedPose> ranked;
-  std::uint64_t evaluations = 0;
-  for (std::uint32_t i = 0; i < params.pose_count; ++i) {
-    const PolishedPose& pose = poses.at(i);
-    const std::uint32_t bias = brute_prior_cost(params.prior, pose.x, pose.y, pose.theta);
-    std::uint64_t cost = brute_pose_cost(params.cost, field, voters, {pose.x, pose.y, pose.theta, bias});
-    if (i == 0) {
-      local.local_cost = static_cast<std::uint32_t>(cost);
-    }
-    if (params.leap_q8 != 0 && !far_from_mean(params, poses.at(0)) && far_from_mean(params, pose)) {
-      cost = std::min<std::uint64_t>(cost * params.leap_q8 / 256, 0xFFFFFFFFU);
-    }
-    evaluations += pose.evaluations;
-    ranked[{cost, i}] = pose;
-  }
-  const auto& [rank, chosen] = *ranked.begin();
-  MatchVerdict verdict;
-  count_evidence(params, values_at(params, field, points, chosen), verdict);
-  verdict.x = chosen.x;
-  verdict.y = chosen.y;
-  verdict.theta = chosen.theta;
-  verdict.cost = static_cast<std::uint32_t>(rank.first);
-  verdict.chosen = rank.second;
-  verdict.evaluations = static_cast<std::uint32_t>(evaluations % (1ULL << 32U));
-  verdict.stop = chosen.stop;
-  verdict.voters = static_cast<std::uint32_t>(voters.size());
-  verdict.local_cost = local.local_cost;
-  return verdict;
 }
 
 }  // namespace gdtslam::test

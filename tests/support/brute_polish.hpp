@@ -1,4 +1,4 @@
-// The plainest programs for the kernels of pose_simplex.hpp.
+// The plainest program for pose_simplex.hpp.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,6 @@
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
 
 namespace gdtslam::test {
-
-/// Starts of `count` descents.
-std::vector<PolishedPose> brute_starts(const PoseStarts::Params& params, const std::vector<PoseCandidate>& candidates,
-                                       const std::vector<std::uint32_t>& picks, std::size_t count);
 
 /// What a descent did, and how often.
 struct BruteMoves {
@@ -26,9 +22,5 @@ struct BruteMoves {
 PolishedPose brute_descent(const PoseSimplex::Params& params, const std::vector<std::uint16_t>& field,
                            const std::vector<PointCells>& points, const PolishedPose& start,
                            BruteMoves* moves = nullptr);
-
-/// The choice between poses, sentence by sentence as ChoosePose has it.
-MatchVerdict brute_choice(const ChoosePose::Params& params, const std::vector<std::uint16_t>& field,
-                          const std::vector<PointCells>& points, const std::vector<PolishedPose>& poses);
 
 }  // namespace gdtslam::test

@@ -15,7 +15,6 @@
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_descent/pose_descent.hpp"
-#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 #include "engine/core/elementary.hpp"
@@ -27,8 +26,7 @@ template <class... K>
 struct KernelList {};
 /// Every dispatched kernel, in the order of the registry, which walks this list as the cases do.
 using AllKernels = KernelList<SeedScatter, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField, PoseCost,
-                              GdtMerge, PoseLattice, LatticeMinima, SmallestValues, FieldGrow, PoseStarts, PoseSimplex,
-                              ChoosePose, SweepPoints, PoseBounds, GdtStamp>;
+                              GdtMerge, FieldGrow, PoseDescent, SweepPoints, PoseBounds, GdtStamp>;
 
 /// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
 struct CellRange {
@@ -56,18 +54,10 @@ struct IsaFunctions {
   void (*jump_flood_step)(const JumpFloodStep::Params&, const std::uint32_t* source, std::uint32_t* target, CellRange);
   void (*jump_flood_distance)(const JumpFloodDistance::Params&, const std::uint32_t* nearest,
                               std::uint16_t* sq_distance, CellRange);
-  void (*pose_lattice)(const PoseLattice::Params&, PoseCandidate* candidates, Slice);
-  void (*lattice_minima)(const LatticeMinima::Params&, const std::uint32_t* cost, std::uint32_t* minima, Slice);
-  void (*smallest_values)(const SmallestValues::Params&, const std::uint32_t* values, std::uint32_t* picks);
   void (*seed_scatter)(const SeedScatter::Params&, const std::uint32_t* cells, std::uint8_t* seeds, Slice);
   void (*field_grow)(const FieldGrow::Params&, const std::uint16_t* old_field, std::uint16_t* field, CellRange);
-  void (*pose_starts)(const PoseStarts::Params&, const PoseCandidate* candidates, const std::uint32_t* picks,
-                      PolishedPose* poses, Slice);
-  void (*pose_simplex)(const PoseSimplex::Params&, const std::uint16_t* field, const PointCells* points,
-                       PolishedPose* poses, Slice);
-  /// `values` and `voters` are scratch, one entry a point each.
-  void (*choose_pose)(const ChoosePose::Params&, const std::uint16_t* field, const PointCells* points,
-                      const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters);
+  void (*pose_descent)(const PoseDescent::Params&, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint16_t* values, Slice);
   void (*pose_bounds)(const PoseBounds::Params&, const std::uint8_t* field, const BoundPoint* points,
                       const PoseCandidate* tiles, std::uint32_t* sums, Slice);
   void (*sweep_points)(const SweepPoints::Params&, const BeamRange* beams, const BeamStrip* strips, const float* tables,
@@ -80,7 +70,7 @@ struct IsaFunctions {
   void (*field_minorant)(const FieldMinorant::Params&, const std::uint16_t* field, std::uint32_t* minorants);
   void (*pose_minorant_wide)(const PoseMinorantWide::Params&, const std::uint32_t* minorants, const BoundPoint* points,
                              const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
-  void (*pose_descent)(const PoseDescent::Params&, const std::uint16_t* field, const PointCells* points,
+  void (*pose_simplex)(const PoseSimplex::Params&, const std::uint16_t* field, const PointCells* points,
                        PolishedPose* poses, Slice);
   void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose&, std::uint16_t* values);

@@ -36,15 +36,13 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #include "engine/compute/kernels/gdt_merge/gdt_merge.inl"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.inl"
 #include "engine/compute/kernels/jump_flood/jump_flood.inl"
-#include "engine/compute/kernels/pose_lattice/pose_lattice.inl"
-#include "engine/compute/kernels/pose_simplex/pose_simplex.inl"
-#include "engine/compute/kernels/choose_pose/choose_pose.inl"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.inl"
 #include "engine/compute/kernels/pose_bounds/pose_minorant.inl"
 #include "engine/compute/kernels/pose_bounds/pose_minorant_wide.inl"
 #include "engine/compute/kernels/pose_bounds/field_minorant.inl"
-#include "engine/compute/kernels/pose_descent/pose_descent.inl"
 #include "engine/compute/kernels/point_values/point_values.inl"
+#include "engine/compute/kernels/pose_descent/pose_descent.inl"
+#include "engine/compute/kernels/pose_simplex/pose_simplex.inl"
 #include "engine/compute/kernels/point_to_line/point_to_line.inl"
 #include "engine/compute/kernels/sweep_points/sweep_points.inl"
 // clang-format on
@@ -58,21 +56,16 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .jump_flood_init = jump_flood_init,
     .jump_flood_step = jump_flood_step,
     .jump_flood_distance = jump_flood_distance,
-    .pose_lattice = pose_lattice,
-    .lattice_minima = lattice_minima,
-    .smallest_values = smallest_values,
     .seed_scatter = seed_scatter,
     .field_grow = field_grow,
-    .pose_starts = pose_starts,
-    .pose_simplex = pose_simplex,
-    .choose_pose = choose_pose,
+    .pose_descent = pose_descent,
     .pose_bounds = pose_bounds,
     .sweep_points = sweep_points,
     .gdt_stamp = gdt_stamp,
     .pose_minorant = pose_minorant,
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,
-    .pose_descent = pose_descent,
+    .pose_simplex = pose_simplex,
     .point_values = point_values,
     .find_lines = find_lines,
     .line_slope = line_slope,

@@ -24,9 +24,10 @@ void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t
 void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
                        PolishedPose* poses, std::uint32_t count);
 
-/// A descent along the slope from each of `count` poses, in place; field height and width at least 2.
+/// A descent along the slope from each of `count` poses, in place, and the field under the points at its end; field
+/// height and width at least 2.
 void pose_descent_host(Isa isa, const PoseDescent::Params& params, const std::uint16_t* field, const PointCells* points,
-                       PolishedPose* poses, std::uint32_t count);
+                       PolishedPose* poses, std::uint16_t* values, std::uint32_t count);
 
 /// The field under each point at a pose; field height and width at least 1.
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,

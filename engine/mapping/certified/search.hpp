@@ -15,6 +15,9 @@
 
 namespace gdtslam {
 
+/// No cost at all.
+inline constexpr std::uint32_t kNoCost = 0xFFFFFFFFU;
+
 /// A box of poses that may hold the best one.
 struct OpenBox {
   std::uint32_t bound = 0;  ///< no pose in it costs less

@@ -58,13 +58,30 @@ PolishedPose Objective::descend(const CellPose& start, const PoseSimplex::Params
   return pose;
 }
 
-PolishedPose Objective::descend(const CellPose& start, PoseDescent::Params descent) {
+void Objective::upload(Buffer& buffer, std::span<const std::byte> bytes) {
+  reserve_on(*backend_, buffer, bytes.size());
+  backend_->upload(buffer, bytes);
+}
+
+void Objective::descend(PoseDescent::Params descent, std::span<PolishedPose> poses, std::span<std::uint16_t> values) {
   descent.grid = params(Interpolation::kBilinear, points_.size());
   descent.prior = prior_;
-  PolishedPose pose{start.x, start.y, start.theta};
-  pose_descent_host(backend_->host_isa(), descent, map_->memory().data(), points_.data(), &pose, 1);
-  evaluations_ += pose.evaluations;
-  return pose;
+  const auto count = static_cast<std::uint32_t>(poses.size());
+  assert(values.size() == poses.size() * PoseDescent::row_of(descent.grid.point_count));
+  if (!map_->memory().empty()) {
+    pose_descent_host(backend_->host_isa(), descent, map_->memory().data(), points_.data(), poses.data(), values.data(),
+                      count);
+  } else {
+    upload(point_buffer_, std::as_bytes(points_));
+    upload(pose_buffer_, std::as_bytes(poses));
+    reserve_on(*backend_, value_buffer_, values.size_bytes());
+    run<PoseDescent>(*backend_, descent, {count, 1, 1}, map_->buffer(), point_buffer_, pose_buffer_, value_buffer_);
+    const PendingDownload ends = backend_->start_download(pose_buffer_, poses.size_bytes());
+    const PendingDownload under = backend_->start_download(value_buffer_, values.size_bytes());
+    backend_->finish_download(ends, std::as_writable_bytes(poses));
+    backend_->finish_download(under, std::as_writable_bytes(values));
+  }
+  for (const PolishedPose& pose : poses) evaluations_ += pose.evaluations;
 }
 
 void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs, Interpolation interpolation) {
@@ -78,10 +95,6 @@ void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_
                    static_cast<std::uint32_t>(poses.size()), costs.data());
     return;
   }
-  const auto upload = [&](Buffer& buffer, std::span<const std::byte> bytes) {
-    reserve_on(*backend_, buffer, bytes.size());
-    backend_->upload(buffer, bytes);
-  };
   upload(point_buffer_, std::as_bytes(points_));
   upload(candidate_buffer_, std::as_bytes(std::span(candidates_)));
   reserve_on(*backend_, cost_buffer_, costs.size_bytes());
@@ -100,8 +113,7 @@ std::uint32_t Objective::evaluate(const CellPose& pose) {
 }
 
 void Objective::residuals(const CellPose& pose, std::span<const PointCells> points,
-                          std::vector<std::uint16_t>& values) const {
-  values.resize(points.size());
+                          std::span<std::uint16_t> values) const {
   // The two outermost rows and columns hold the cap, so a point off the map reads it at the nearest of them.
   point_values_host(backend_->host_isa(), params(Interpolation::kNearest, points.size()), map_->memory().data(),
                     points.data(), {.x = pose.x, .y = pose.y, .theta = pose.theta}, values.data());

@@ -40,7 +40,7 @@ struct LocalMinimum {
 
 class Objective {
  public:
-  /// The map must outlive this and have memory().
+  /// The map must outlive this. Without memory() it lies on a device: then batches and descents along the slope only.
   Objective(const GlobalField& map, Interpolation interpolation, CostForm form);
 
   /// Sets the cell, in map cells, that poses are relative to.
@@ -61,15 +61,18 @@ class Objective {
   /// Runs a simplex from the pose on this thread and returns its end; the cost and the prior of `walk` must be those
   /// below.
   PolishedPose descend(const CellPose& start, const PoseSimplex::Params& walk);
-  /// The same along the slope of the bilinear field; grid and prior of `descent` are those of this objective.
-  PolishedPose descend(const CellPose& start, PoseDescent::Params descent);
+  /// Descents along the slope of the bilinear field from each pose, in place, and the field under all points at each
+  /// end, nearest cell, in rows of PoseDescent::row_of(points). Where the map lies: on this thread, or in one dispatch.
+  /// Grid and prior of `descent` are those of this objective.
+  void descend(PoseDescent::Params descent, std::span<PolishedPose> poses, std::span<std::uint16_t> values);
 
   /// Kernel parameters of this objective.
   [[nodiscard]] PoseCost::Params cost_params() const { return params(interpolation_, points_.size()); }
   [[nodiscard]] const PriorParams& prior_params() const { return prior_; }
 
   /// Field value under each point, nearest cell; no coordinate may be NaN.
-  void residuals(const CellPose& pose, std::span<const PointCells> points, std::vector<std::uint16_t>& values) const;
+  void residuals(const CellPose& pose, std::span<const PointCells> points, std::span<std::uint16_t> values) const;
+  [[nodiscard]] std::uint32_t prior_cost(const CellPose& pose) const;
 
   [[nodiscard]] CellPose to_cells(const Pose2& T_map_base) const;
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
@@ -77,10 +80,10 @@ class Objective {
   [[nodiscard]] std::uint64_t evaluations() const { return evaluations_; }
 
  private:
+  void upload(Buffer& buffer, std::span<const std::byte> bytes);
   [[nodiscard]] PoseCost::Params params(Interpolation interpolation, std::size_t points) const {
     return pose_cost_params(*map_, anchor_, points, cap_, interpolation, form_);
   }
-  [[nodiscard]] std::uint32_t prior_cost(const CellPose& pose) const;
 
   Backend* backend_;
   const GlobalField* map_;
@@ -94,6 +97,8 @@ class Objective {
   Buffer point_buffer_;
   Buffer candidate_buffer_;
   Buffer cost_buffer_;
+  Buffer pose_buffer_;
+  Buffer value_buffer_;
   std::uint64_t evaluations_ = 0;
 };
 

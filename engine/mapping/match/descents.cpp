@@ -99,9 +99,11 @@ LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const
 }
 
 LocalMinimum minimise_along_slope(Objective& objective, const CellPose& start, const PoseDescent::Params& descent) {
-  const PolishedPose found = objective.descend(start, descent);
-  const CellPose end{found.x, found.y, found.theta};
-  return {end, objective.evaluate(end), found.evaluations + 1, stop_reason(found.stop)};
+  std::vector<PolishedPose> found{{start.x, start.y, start.theta}};
+  std::vector<std::uint16_t> values(PoseDescent::row_of(static_cast<std::uint32_t>(objective.points().size())));
+  objective.descend(descent, found, values);
+  const CellPose end{found.front().x, found.front().y, found.front().theta};
+  return {end, objective.evaluate(end), found.front().evaluations + 1, stop_reason(found.front().stop)};
 }
 
 }  // namespace gdtslam

@@ -96,20 +96,11 @@ bool SearchWindow::has_at_edge(const CellPose& pose) const {
          std::fabs(pose.theta - centre.theta) > half_theta_rad - kSlack * step_rad;
 }
 
-ExhaustiveResult search_window(Objective& objective, const SearchWindow& window, std::uint32_t starts,
-                               const std::function<LocalMinimum(const CellPose&)>& descend) {
-  const std::uint64_t before = objective.evaluations();
+std::vector<CellPose> best_samples(Objective& objective, const SearchWindow& window, std::uint32_t starts) {
   const Lattice lattice = sample(objective, window);
-  std::vector<LocalMinimum> polished;
-  for (const std::size_t index : best_minima(lattice, starts)) {
-    polished.push_back(descend(lattice.poses[index]));
-  }
-  const auto best = std::min_element(polished.begin(), polished.end(),
-                                     [](const LocalMinimum& a, const LocalMinimum& b) { return a.cost < b.cost; });
-  ExhaustiveResult result{
-      .pose = best->pose, .cost = best->cost, .evaluations = 0, .at_edge = window.has_at_edge(best->pose)};
-  result.evaluations = static_cast<std::uint32_t>(objective.evaluations() - before);
-  return result;
+  std::vector<CellPose> best;
+  for (const std::size_t index : best_minima(lattice, starts)) best.push_back(lattice.poses[index]);
+  return best;
 }
 
 }  // namespace gdtslam

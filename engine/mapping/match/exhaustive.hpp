@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <vector>
 
 #include "descents.hpp"
 #include "engine/mapping/cost/objective.hpp"
@@ -25,15 +25,7 @@ struct SearchWindow {
   [[nodiscard]] bool has_at_edge(const CellPose& pose) const;
 };
 
-struct ExhaustiveResult {
-  CellPose pose;
-  std::uint32_t cost = 0;
-  std::uint32_t evaluations = 0;
-  bool at_edge = false;  ///< the pose lies within half a step of the window's edge
-};
-
-/// Costs every sample, keeps the `starts` best local minima of the grid, polishes each by `descend`.
-ExhaustiveResult search_window(Objective& objective, const SearchWindow& window, std::uint32_t starts,
-                               const std::function<LocalMinimum(const CellPose&)>& descend);
+/// Costs every sample at the points' nearest cells and returns the `starts` best local minima of the grid, best first.
+std::vector<CellPose> best_samples(Objective& objective, const SearchWindow& window, std::uint32_t starts);
 
 }  // namespace gdtslam

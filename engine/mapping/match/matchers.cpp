@@ -4,15 +4,9 @@
 #include <array>
 
 #include "scan_matcher.hpp"
-#include "window_matcher.hpp"
 
 namespace gdtslam {
 namespace {
-
-template <class M>
-std::unique_ptr<Matcher> make(const MapperConfig& config, const GlobalField& map) {
-  return std::make_unique<M>(config, map);
-}
 
 LocalMinimum by_simplex(Objective& objective, const CellPose& start, const SimplexOptions& steps,
                         const OptimizerConfig& /*options*/) {
@@ -32,15 +26,13 @@ LocalMinimum in_box(Objective& objective, const CellPose& start, const SimplexOp
 
 using Descent = decltype(MatcherInfo::descend);
 
-// A matcher that descends on the host.
 constexpr MatcherInfo walker(MatcherKind kind, std::string_view name, std::string_view doc, Descent descend) {
   return {.kind = kind,
           .name = name,
           .doc = doc,
-          .place = MatcherPlace::kHost,
-          .make = make<ScanMatcher>,
           .descend = descend,
-          .follows_slope = kind == MatcherKind::kGaussNewton,
+          .follows_slope = descend == nullptr,
+          .always_searches = kind == MatcherKind::kExhaustive,
           .proves_windows = kind == MatcherKind::kCertified};
 }
 
@@ -50,12 +42,7 @@ constexpr std::array kMatchers{
     walker(MatcherKind::kSce, "sce", "shuffled complexes", in_box<MatcherKind::kSce>),
     walker(MatcherKind::kSimpsa, "simpsa", "annealed simplex", in_box<MatcherKind::kSimpsa>),
     walker(MatcherKind::kGaussNewton, "gauss-newton", "robust least squares", nullptr),
-    MatcherInfo{.kind = MatcherKind::kExhaustive,
-                .name = "exhaustive",
-                .doc = "a window for each scan, all on the device",
-                .place = MatcherPlace::kDevice,
-                .make = make<WindowMatcher>,
-                .descend = nullptr},
+    walker(MatcherKind::kExhaustive, "exhaustive", "robust least squares, a window for each scan", nullptr),
     walker(MatcherKind::kCertified, "certified", "simplex with windows whose best pose is proven", by_simplex),
 };
 

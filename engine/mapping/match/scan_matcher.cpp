@@ -1,6 +1,7 @@
 #include "scan_matcher.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -77,8 +78,6 @@ ReachedCells reached_from(const PoseWindow& window, std::span<const PointCells> 
   return {box, is_near ? CertifiedMap::kNearWindows : CertifiedMap::kSmallWindows};
 }
 
-constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .stop_cells = 0.1F, .stop_rad = 0.002F};
-
 }  // namespace
 
 /// The part of a growing map that a scan can reach from a window of poses, prepared for certified matching; kept as
@@ -138,7 +137,6 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
 ScanMatcher::~ScanMatcher() = default;
 
 MatchResult ScanMatcher::match(std::span<const PointCells> points, const Prediction& prediction, bool must_search) {
-  assert(map_->box().empty() || !map_->memory().empty());  // the host can read the map
   points_ = points;
   by_odometry_ = prediction.by_odometry;
   rules_.begin(prediction, points.size());
@@ -148,9 +146,11 @@ MatchResult ScanMatcher::match(std::span<const PointCells> points, const Predict
   attempts_ = 0;
   proven_gap_m_.reset();
   proof_evaluations_ = 0;
-  Estimate best = descend(rules_.predicted());
-  if (must_search || (search_.when != SearchWhen::kNever && rules_.may_search() &&
-                      (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
+  descend(std::array{rules_.predicted()});
+  Estimate best = estimate(0);
+  if (must_search || matcher_->always_searches ||
+      (search_.when != SearchWhen::kNever && rules_.may_search() &&
+       (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
     best = search(best);
   }
   MatchResult result = rules_.judged(best.pose, best.evidence);
@@ -162,25 +162,25 @@ MatchResult ScanMatcher::match(std::span<const PointCells> points, const Predict
 
 // Equation (8): points farther from the map than the gate do not count, but a minimum share always does.
 void ScanMatcher::keep_points_within(std::uint32_t gate, const CellPose& pose) {
-  objective_.residuals(pose, points_, values_);
+  gated_.resize(points_.size());
+  objective_.residuals(pose, points_, gated_);
   kept_.clear();
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    if (values_[i] <= gate) kept_.push_back(points_[i]);
+    if (gated_[i] <= gate) kept_.push_back(points_[i]);
   }
   const bool enough = static_cast<double>(kept_.size()) >= gate_.min_share * static_cast<double>(points_.size());
   objective_.set_points(enough ? std::span<const PointCells>(kept_) : points_);
 }
 
 // Equations (8) and (4) in turn, the gate narrowing around the best pose so far.
-PolishedPose ScanMatcher::descend_through_gates(const CellPose& start) {
-  PolishedPose pose{start.x, start.y, start.theta};
+void ScanMatcher::descend_through_gates(PolishedPose& pose, std::span<std::uint16_t> values) {
   for (const DescentStage& stage : rules_.stages()) {
     keep_points_within(stage.gate, {pose.x, pose.y, pose.theta});
     const LocalMinimum found = matcher_->descend(objective_, {pose.x, pose.y, pose.theta}, stage.simplex, optimizer_);
     pose = {found.pose.x, found.pose.y, found.pose.theta};
     pose.stop = found.stop == StopReason::kConverged ? 1 : 2;
   }
-  return pose;
+  objective_.residuals({pose.x, pose.y, pose.theta}, points_, values);
 }
 
 double ScanMatcher::mean_range_cells() const {
@@ -189,34 +189,41 @@ double ScanMatcher::mean_range_cells() const {
   return sum / static_cast<double>(points_.size());
 }
 
-// A sample of a window is nearer to its minimum than the prediction may be.
-PolishedPose ScanMatcher::descend_along_slope(const CellPose& start) {
-  objective_.set_points(points_);
-  return objective_.descend(start, attempts_ > 0 ? rules_.descent_from_sample() : rules_.descent(mean_range_cells()));
-}
-
-ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
+// Descends from each start; the ends and the values under all points there are then those of ends_ and values_.
+void ScanMatcher::descend(std::span<const CellPose> starts) {
   objective_.set_cap(map_->cap());
-  const PolishedPose end = matcher_->follows_slope ? descend_along_slope(start) : descend_through_gates(start);
-  const CellPose pose{end.x, end.y, end.theta};
-  Estimate estimate{pose, judge(pose)};
-  estimate.evidence.stop = stop_reason(end.stop);
-  return estimate;
+  objective_.set_points(points_);
+  ends_.clear();
+  for (const CellPose& start : starts) ends_.push_back({start.x, start.y, start.theta});
+  values_.resize(ends_.size() * row());
+  if (matcher_->follows_slope) {
+    // A sample of a window is nearer to its minimum than the prediction may be.
+    objective_.descend(attempts_ > 0 ? rules_.descent_from_sample() : rules_.descent(mean_range_cells()), ends_,
+                       values_);
+    return;
+  }
+  for (std::size_t k = 0; k < ends_.size(); ++k) descend_through_gates(ends_[k], values_at(k));
 }
 
-Evidence ScanMatcher::judge(const CellPose& pose) {
-  objective_.residuals(pose, points_, values_);
+std::span<std::uint16_t> ScanMatcher::values_at(std::size_t end) {
+  return std::span(values_).subspan(end * row(), points_.size());
+}
+
+ScanMatcher::Estimate ScanMatcher::estimate(std::size_t end) {
   const std::uint32_t gate = rules_.final_gate();
   const std::uint32_t wide = rules_.wide_gate();
   const std::uint16_t cap = map_->cap();
   EvidenceCounts counts;
-  for (const std::uint16_t value : values_) {
+  for (const std::uint16_t value : values_at(end)) {
     counts.sum += std::min<std::uint32_t>(value, wide);
     counts.near += value <= gate ? 1U : 0U;
     counts.known += value < cap ? 1U : 0U;
     counts.beside += value > 2 * gate && value < cap ? 1U : 0U;
   }
-  return rules_.evidence(counts);
+  const PolishedPose& pose = ends_[end];
+  Estimate estimate{{pose.x, pose.y, pose.theta}, rules_.evidence(counts)};
+  estimate.evidence.stop = stop_reason(pose.stop);
+  return estimate;
 }
 
 // Points over unknown cells give no information about the pose, but a pose that pulls them onto known walls looks
@@ -224,30 +231,35 @@ Evidence ScanMatcher::judge(const CellPose& pose) {
 void ScanMatcher::choose_voters(const Estimate& local) {
   voters_.clear();
   const bool trusted = !rules_.is_suspect(local.evidence);
-  objective_.residuals(local.pose, points_, values_);
   const std::uint32_t limit = std::min<std::uint32_t>(rules_.wide_gate(), map_->cap());
+  votes_.resize(points_.size());
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    if (!trusted || values_[i] < limit) voters_.push_back(points_[i]);
+    votes_[i] = !trusted || values_[i] < limit ? 1 : 0;
+    if (votes_[i] != 0) voters_.push_back(points_[i]);
   }
   thin(voters_, static_cast<std::size_t>(search_.max_points), thinned_);
 }
 
-std::uint32_t ScanMatcher::cost_to_voters(const CellPose& pose) {
-  objective_.set_points(voters_);
-  objective_.set_cap(rules_.wide_gate());
-  return objective_.evaluate(pose);
+std::uint64_t ScanMatcher::cost_to_voters(std::size_t end) {
+  const std::span<const std::uint16_t> values = values_at(end);
+  const std::uint32_t wide = rules_.wide_gate();
+  std::uint64_t cost = objective_.prior_cost({ends_[end].x, ends_[end].y, ends_[end].theta});
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    cost += votes_[i] * std::min<std::uint32_t>(values[i], wide);
+  }
+  return cost;
 }
 
-ExhaustiveResult ScanMatcher::find_in(const SearchWindow& window) {
-  if (crop_ != nullptr && !voters_.empty() && voters_.size() <= kMostCertifiedPoints) return prove_in(window);
+// Starts of descents in a window.
+std::vector<CellPose> ScanMatcher::starts_in(const SearchWindow& window) {
+  if (crop_ != nullptr && !voters_.empty() && voters_.size() <= kMostCertifiedPoints) return {prove_in(window)};
   objective_.set_points(thinned_);
   objective_.set_cap(rules_.wide_gate());
-  const auto polish = [this](const CellPose& start) { return minimise_simplex(objective_, start, kCoarsePolish); };
-  return search_window(objective_, window, static_cast<std::uint32_t>(search_.starts), polish);
+  return best_samples(objective_, window, static_cast<std::uint32_t>(search_.starts));
 }
 
 // The best pose of a window for all voters, up to the gap, by the same cost as in search().
-ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
+CellPose ScanMatcher::prove_in(const SearchWindow& window) {
   const double resolution_m = map_->geometry().resolution_m;
   const double half_m = static_cast<double>(window.half_xy_cells) * resolution_m;
   const PoseWindow poses{.centre = objective_.to_metres(window.centre),
@@ -268,32 +280,42 @@ ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
   const CertifiedResult found = find_pose(map, voters_, poses, options);
   proven_gap_m_ = found.gap_m;
   proof_evaluations_ += found.boxes + found.evaluations;
-  ExhaustiveResult result{
-      .pose = objective_.to_cells(found.T_map_base), .cost = found.cost, .evaluations = 0, .at_edge = false};
-  result.at_edge = window.has_at_edge(result.pose);
-  return result;
+  return objective_.to_cells(found.T_map_base);
+}
+
+// Far away some place always looks alike: a pose that the odometry contradicts must be clearly better, and one that
+// only a wider window holds, if windows follow without a doubt.
+bool ScanMatcher::is_leap(const CellPose& pose, const CellPose& local, const SearchWindow& before) const {
+  if (!by_odometry_) return false;
+  return (rules_.is_far(pose) && !rules_.is_far(local)) ||
+         (matcher_->always_searches && attempts_ > 1 && !before.holds(pose));
 }
 
 // Searches a window around the prediction, twice as large each time while its result is suspect or on its edge.
 ScanMatcher::Estimate ScanMatcher::search(const Estimate& local) {
   Estimate best = local;
   choose_voters(local);
-  std::uint32_t best_cost = cost_to_voters(local.pose);
-  for (; attempts_ < static_cast<std::uint32_t>(search_.attempts);) {
-    const ExhaustiveResult found = find_in(rules_.window(std::ldexp(1.0, static_cast<int>(attempts_))));
+  std::uint64_t best_cost = cost_to_voters(0);
+  SearchWindow before;
+  while (attempts_ < static_cast<std::uint32_t>(search_.attempts)) {
+    const SearchWindow window = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
+    const std::vector<CellPose> starts = starts_in(window);
     ++attempts_;
-    const Estimate polished = descend(found.pose);
-    std::uint32_t cost = cost_to_voters(polished.pose);
-    if (by_odometry_ && rules_.is_far(polished.pose) && !rules_.is_far(local.pose)) {
-      const double factor = 1.0 / leap_gain_;
-      cost = static_cast<std::uint32_t>(std::min(cost * factor, 4.0e9));
-    }
-    const bool taken = cost < best_cost && rules_.is_possible(polished.pose);
-    if (taken) {
-      best = polished;
+    descend(starts);
+    bool at_edge = false;
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+      const CellPose pose{ends_[k].x, ends_[k].y, ends_[k].theta};
+      std::uint64_t cost = cost_to_voters(k);
+      if (is_leap(pose, local.pose, before)) {
+        cost = static_cast<std::uint64_t>(static_cast<double>(cost) / leap_gain_);
+      }
+      if (cost >= best_cost || !rules_.is_possible(pose)) continue;
+      best = estimate(k);
       best_cost = cost;
+      at_edge = window.has_at_edge(pose);
     }
-    if (!rules_.is_suspect(best.evidence) && !(taken && found.at_edge)) break;
+    if (!rules_.may_search() || (!rules_.is_suspect(best.evidence) && !at_edge)) break;
+    before = window;
   }
   return best;
 }

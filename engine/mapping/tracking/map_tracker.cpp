@@ -9,9 +9,9 @@
 #include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/store/field_store.hpp"
 #include "engine/mapping/match/match_rules.hpp"
-#include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/pose_certainty.hpp"
+#include "engine/mapping/match/scan_matcher.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -104,14 +104,14 @@ struct MapTracker::State {
         config(map->config),
         motion(config.odometry),
         scan_points(config.scan),
-        matcher(matcher_info(config.match.matcher).make(config, map->field)) {}
+        matcher(config, map->field) {}
 
   std::shared_ptr<const TrackedField> map;
   const MapperConfig& config;
   MotionModel motion;
   Patience patience;
   ScanPoints scan_points;
-  std::unique_ptr<Matcher> matcher;
+  ScanMatcher matcher;
   MotionEstimate estimate{MotionEstimate::FirstPose::kGuess};
   PoseCertainty certainty{covariance_at_start()};
   KnownFit known;
@@ -154,13 +154,13 @@ MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2
   State& s = *state_;
   const std::vector<Point2> points_m = s.scan_points.of(scan);
   std::vector<PointCells> points = in_cells(points_m, s.config.map.resolution_m);
-  thin(points, Matcher::kMostPoints);
+  thin(points, kMostMatchedPoints);
   Prediction prediction = s.estimate.predict(s.motion, T_odom_base, scan.stamp_s);
   prediction.is_hopeless = s.patience.is_over();
   const bool is_matched = points.size() >= static_cast<std::size_t>(s.config.scan.min_points);
   MatchResult result;
   if (is_matched) {
-    result = s.matcher->match(points, prediction, s.config.search.when == SearchWhen::kAlways);
+    result = s.matcher.match(points, prediction, s.config.search.when == SearchWhen::kAlways);
   } else {
     result.T_map_base = result.T_map_predicted = prediction.T_map_base;
     result.points = static_cast<std::uint32_t>(points.size());

@@ -12,8 +12,7 @@
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
-#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
-#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
+#include "engine/compute/kernels/pose_descent/pose_descent.hpp"
 #include "shaders.hpp"
 
 namespace gdtslam {
@@ -48,8 +47,6 @@ GroupCount grid_groups(std::uint64_t columns, std::uint32_t group_columns, std::
   return {static_cast<std::uint32_t>(divided_up(columns, group_columns)), std::min(rows, kMostGroups), 1};
 }
 
-GroupCount one_group(const LaunchShape& /*shape*/) { return {}; }
-
 template <std::uint32_t kPerGroup>
 GroupCount linear(const LaunchShape& shape) {
   return groups_for(shape.threads.x, kPerGroup);
@@ -82,21 +79,13 @@ GroupCount grown_words(const LaunchShape& shape) {
   return groups_for(divided_up(params.width, 2) * params.height, kGroup);
 }
 
-/// Samples of a window's row, four per invocation: a column of nine is loaded once a sample, and two more columns once
-/// an invocation.
-GroupCount row_pieces(const LaunchShape& shape) {
-  constexpr std::uint32_t kPiece = 4;  // equal to the shader's
-  const auto params = launch_params<LatticeMinima>(shape);
-  return groups_for(divided_up(params.count_xy, kPiece) * params.count_xy * params.count_theta, kGroup);
-}
-
 // ------------------------------------------------------------------------------------------------ which row suits
 
-/// Whether an invocation may take this many turns in all its loops together. lavapipe leaves every loop after its first
-/// turn once an invocation has taken 65,535 (measured, Mesa 22.3), without any message.
-bool fits_loops(const VariantContext& context, std::uint64_t turns) {
-  return context.device.kind != "lavapipe" || turns < 65535;
-}
+// lavapipe leaves every loop after its first turn once an invocation has taken 65,535 in all its loops together
+// (measured, Mesa 22.3), without any message: the longest descent's have to be fewer. An evaluation takes a turn for
+// 64 points, 6 for the sums, at most 7 for the damping, and its own.
+constexpr std::uint32_t kMostPointTurns = 65537U / PoseDescent::kLanes + 1;
+static_assert(PoseDescent::kMostEvaluations * (kMostPointTurns + 14) + kMostPointTurns < 65535);
 
 // Constants of the shaders appear in the rows as numbers: 0 and 1.
 constexpr std::uint32_t kBilinear = static_cast<std::uint32_t>(Interpolation::kBilinear);
@@ -113,34 +102,6 @@ template <std::uint32_t kTiles>
 bool has_tiles(const VariantContext& context) {
   return (launch_params<PoseBounds>(context.shape).tile_width != 2) == (kTiles == kWideTiles);
 }
-
-template <std::uint32_t kInterpolation>
-bool descends_by(const VariantContext& context) {
-  return static_cast<std::uint32_t>(launch_params<PoseSimplex>(context.shape).cost.interpolation) == kInterpolation;
-}
-
-/// Group size, and points per turn of the loop, for very long descents on a device that ends loops.
-constexpr std::uint32_t kLongDescentGroup = 1024;
-constexpr std::uint32_t kPointsATurn = 16;
-
-/// Whether `turns` turns of a loop per evaluated pose are few enough.
-bool fits_descent(const VariantContext& context, std::uint32_t turns) {
-  // The last move evaluates up to five poses beyond the limit.
-  const std::uint64_t evaluations = std::uint64_t{launch_params<PoseSimplex>(context.shape).max_evaluations} + 5;
-  return fits_loops(context, evaluations * (turns + 1));
-}
-static_assert((PoseSimplex::kMostEvaluations + 5) * (65537U / (kLongDescentGroup * kPointsATurn) + 2) < 65535,
-              "the largest group takes every descent");
-
-/// Whether a group of the usual size would take too many turns.
-template <std::uint32_t kInterpolation>
-bool descends_long(const VariantContext& context) {
-  const std::uint32_t points = launch_params<PoseSimplex>(context.shape).cost.point_count;
-  return descends_by<kInterpolation>(context) && !fits_descent(context, points / kGroup + 1);
-}
-
-constexpr std::uint32_t kManyInvocations = 1024;
-bool takes_many(const VariantContext& context) { return context.device.max_group_invocations >= kManyInvocations; }
 
 // ------------------------------------------------------------------------------------------------ the rows
 
@@ -162,10 +123,6 @@ constexpr ShaderVariant by_cells(const ShaderSource& shader, Groups groups) {
   return {.shader = shader, .local_size = {kGroup, 1, 1}, .groups = groups};
 }
 
-constexpr ShaderVariant in_one_group(const ShaderSource& shader, std::uint32_t group, Suits suits = nullptr) {
-  return {.shader = shader, .local_size = {group, 1, 1}, .groups = one_group, .suits = suits};
-}
-
 constexpr ShaderVariant kVariants[] = {
     by_cells(shader::seed_scatter, linear<kGroup>),
     by_cells(shader::jump_flood_init, grid<JumpFloodInit, 4>),
@@ -175,17 +132,8 @@ constexpr ShaderVariant kVariants[] = {
     by_groups(shader::pose_cost, 64, {kNearest, 0}, costs_by<kNearest>),
     by_groups(shader::pose_cost, 64, {kBilinear, 0}, nullptr),
     by_cells(shader::gdt_merge, merged_quads),
-    by_cells(shader::pose_lattice, linear<kGroup>),
-    by_cells(shader::lattice_minima, row_pieces),
-    in_one_group(shader::smallest_values, kManyInvocations, takes_many),
-    in_one_group(shader::smallest_values, kGroup),
     by_cells(shader::field_grow, grown_words),
-    {.shader = shader::pose_starts, .local_size = {32, 1, 1}, .takes_count = true, .groups = linear<32>},
-    by_groups(shader::pose_simplex, kLongDescentGroup, {kNearest, kPointsATurn}, descends_long<kNearest>),
-    by_groups(shader::pose_simplex, kGroup, {kNearest, 1}, descends_by<kNearest>),
-    by_groups(shader::pose_simplex, kLongDescentGroup, {kBilinear, kPointsATurn}, descends_long<kBilinear>),
-    by_groups(shader::pose_simplex, kGroup, {kBilinear, 1}, nullptr),
-    in_one_group(shader::choose_pose, kGroup),
+    by_groups(shader::pose_descent, PoseDescent::kLanes, {0, 0}, nullptr),
     by_cells(shader::sweep_points, linear<kGroup>),
     by_groups(shader::pose_bounds, kGroup, {kSmallTiles, 0}, has_tiles<kSmallTiles>),
     by_groups(shader::pose_bounds, kGroup, {kWideTiles, 0}, nullptr),

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/compute/kernels/pose_descent/pose_descent.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "small_job.hpp"
 #include "support/mapper_drive.hpp"
@@ -74,33 +75,44 @@ TEST_F(QueueWorkOfADevice, IsThatOfTheSameDriveOnAStandIn) {
   EXPECT_EQ(work.submissions, device->submit_count());
 }
 
-// The chain of docs/howto/gpu.md: a scan that is searched for in one window and not merged.
+// The chain of docs/howto/gpu.md: a scan that is searched for in one window and not merged. Three dispatches, each a
+// submission that the host waits for: the descent from the prediction, the samples of the window, and the descents from
+// the best of them.
 TEST_F(QueueWorkOfADevice, OfAScanIsThatOfTheChain) {
   MapperConfig config = quick_config(MatcherKind::kExhaustive);
   config.search.attempts = 1;
   config.keyframe.distance_m = 100.0;
   config.keyframe.angle_rad = 3.0;
-  const std::vector<DriveScan> scans = room_scans(6, 2);
+  constexpr std::uint64_t kSamples = 5U * 5U * 7U;
+  const std::vector<DriveScan> scans = room_scans(12, 2);
   const auto device = test_backend();
   Mapper mapper(config, *device);
+  std::size_t settled = 0;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const QueueWork before = device->work();
     const MatchResult result = mapper.process(scans[i].scan, scans[i].T_odom_base);
-    if (i < 2) continue;  // the first one is the map, the second one finds new buffers
+    if (i == 0) continue;  // it is the map
     ASSERT_FALSE(result.merged);
     const QueueWork work = device->work() - before;
-    const std::map<std::string_view, std::uint64_t> chain{
-        {"pose_lattice", 1}, {"pose_cost", 1},    {"lattice_minima", 1}, {"smallest_values", 1},
-        {"pose_starts", 1},  {"pose_simplex", 4}, {"choose_pose", 1}};
+    const std::map<std::string_view, std::uint64_t> chain{{"pose_descent", 2}, {"pose_cost", 1}};
     EXPECT_EQ(work.dispatches, chain);
-    // Before each of them but the lattice, and before the verdict is copied; zeros of points' new buffer, then points.
-    EXPECT_EQ(work.barriers, 10U + work.fills);
-    EXPECT_LE(work.fills, i + 1 < scans.size() ? 1U : 0U);
-    EXPECT_EQ(work.upload_bytes, 8U * result.points);
-    EXPECT_EQ(work.download_bytes, 52U);
-    EXPECT_EQ(work.submissions, 1U);
-    EXPECT_EQ(work.waits, 1U);
+    EXPECT_EQ(work.submissions, 3U);
+    EXPECT_EQ(work.waits, 3U);
+    EXPECT_EQ(work.uploads, 6U);    // points and poses of each dispatch
+    EXPECT_EQ(work.downloads, 5U);  // costs; ends of descents and the values there, twice
+    const std::uint64_t others = 3 * 8U * result.points + 32 + 16 * kSamples;
+    ASSERT_GT(work.upload_bytes, others);
+    const std::uint64_t starts = (work.upload_bytes - others) / 32;
+    EXPECT_EQ(work.upload_bytes, others + 32 * starts);
+    EXPECT_LE(starts, static_cast<std::uint64_t>(config.search.starts));
+    const std::uint64_t row = 2 * PoseDescent::row_of(result.points);
+    EXPECT_EQ(work.download_bytes, (1 + starts) * (32 + row) + 4 * kSamples);
+    // Before and after each dispatch, and before the first poses take the place of those that were copied down.
+    if (work.fills != 0) continue;  // larger buffers
+    EXPECT_EQ(work.barriers, 7U);
+    ++settled;
   }
+  EXPECT_GE(settled, 6U);
 }
 
 TEST_F(QueueWorkOfADevice, WaitsThatAskFirstChangeNothing) {

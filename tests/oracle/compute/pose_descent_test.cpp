@@ -159,12 +159,13 @@ TEST(PoseDescentStep, IsThatOfItsDefinition) {
             SCOPED_TRACE(testing::Message() << count << " points, width " << width << ", " << to_string(isa));
             params.max_evaluations = 1;
             PolishedPose pose = start;
-            pose_descent_host(isa, params, field.data(), scene.points.data(), &pose, 1);
+            std::vector<std::uint16_t> values(PoseDescent::row_of(static_cast<std::uint32_t>(count)), 1);
+            pose_descent_host(isa, params, field.data(), scene.points.data(), &pose, values.data(), 1);
             ASSERT_NEAR(pose.cost, first.cost_before, 2e-4 * first.cost_before + 1.0);
             ASSERT_EQ(pose.x, start.x);
             params.max_evaluations = 2;
             pose = start;
-            pose_descent_host(isa, params, field.data(), scene.points.data(), &pose, 1);
+            pose_descent_host(isa, params, field.data(), scene.points.data(), &pose, values.data(), 1);
             if (std::fabs(first.cost_after - first.cost_before) < 1e-3 * first.cost_before) continue;
             const bool is_taken = first.cost_after < first.cost_before;
             (is_taken ? taken : undone) += 1;
@@ -196,11 +197,15 @@ TEST(PoseDescentBits, AreTheSameOnEveryInstructionSet) {
       params.stop_cells = 0.01F;
       params.stop_rad = 0.0002F;
       PolishedPose expected = start;
-      pose_descent_host(Isa::kBaseline, params, scene.field.data(), scene.points.data(), &expected, 1);
+      std::vector<std::uint16_t> expected_values(PoseDescent::row_of(static_cast<std::uint32_t>(count)), 1);
+      pose_descent_host(Isa::kBaseline, params, scene.field.data(), scene.points.data(), &expected,
+                        expected_values.data(), 1);
       for (const Isa isa : available_isas()) {
         PolishedPose pose = start;
-        pose_descent_host(isa, params, scene.field.data(), scene.points.data(), &pose, 1);
+        std::vector<std::uint16_t> values(expected_values.size(), 2);
+        pose_descent_host(isa, params, scene.field.data(), scene.points.data(), &pose, values.data(), 1);
         ASSERT_EQ(0, std::memcmp(&pose, &expected, sizeof(pose))) << to_string(isa) << " " << count;
+        ASSERT_EQ(values, expected_values) << to_string(isa) << " " << count;
       }
     }
   }

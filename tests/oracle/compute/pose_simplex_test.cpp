@@ -8,7 +8,7 @@
 #include <cstring>
 #include <limits>
 
-#include "engine/compute/cases/kernel_cases.hpp"
+#include "engine/compute/cases/scan_data.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"
@@ -219,30 +219,64 @@ TEST_F(Room, StartsThatAreNoPosesCostTheCapAndEnd) {
   }
 }
 
-// What the list of cases is worth: every kind of move, both reasons to stop, and coordinates whose bits are the same on
-// every device, which those of NaN are not.
-TEST(SimplexCases, TakeEveryTurnOfTheWalk) {
+/// A scan in a room or in a field without any shape, with parameters for a walk in it.
+struct SimplexScene {
+  std::vector<std::uint16_t> field;
+  std::vector<PointCells> points;
+  PoseSimplex::Params params;
+
+  explicit SimplexScene(Random& random) {
+    const CaseSize size{97, 83, 100};
+    const bool is_room = random.below(2) == 0;
+    const auto count = static_cast<std::uint32_t>(random.below(200));
+    const std::uint32_t cap = random.below(2) == 0 ? kCap : 700;
+    field = is_room ? room_field(size, cap, random) : slow_field(size, cap, random);
+    points = is_room ? room_points(size, count, kTruePose, random) : scattered_points(size, count, random);
+    params.cost =
+        cost_params(size, count, cap, random.below(2) == 0 ? Interpolation::kBilinear : Interpolation::kNearest,
+                    random.below(2) == 0 ? CostForm::kDistance : CostForm::kSquared);
+    params.prior = {.mean_x = 2.0F, .mean_y = -1.0F, .mean_theta = 0.28F};
+    if (random.below(2) == 0) {
+      params.prior.weight_xy = 20.0F * static_cast<float>(count);
+      params.prior.weight_theta = 8.0e4F * static_cast<float>(count);
+      params.prior.limit = 2.0e4F * static_cast<float>(count);
+    }
+    params.step_cells = static_cast<float>(random.uniform(-4.0, 4.0));
+    params.step_rad = static_cast<float>(random.uniform(-0.1, 0.1));
+    params.max_evaluations = static_cast<std::uint32_t>(random.below(200));
+  }
+};
+
+// Starts near the pose that the scan was taken from, and far off the map.
+PolishedPose simplex_start(Random& random) {
+  const double spread = random.below(8) == 0 ? 1.0e4 : 4.0;
+  PolishedPose start = pose_at(static_cast<double>(kTruePose.x) + random.uniform(-spread, spread),
+                               static_cast<double>(kTruePose.y) + random.uniform(-spread, spread),
+                               static_cast<double>(kTruePose.theta) + random.uniform(-0.1, 0.1));
+  start.evaluations = random.below(4) == 0 ? 0xFFFFFFF0U : 7;
+  return start;
+}
+
+// Every kind of move, and both reasons to stop.
+TEST(SimplexWalk, IsThatOfThePlainProgramBitForBit) {
+  Random random(17);
   BruteMoves moves;
   std::array<int, 3> stops{};
-  for (const KernelCaseSource& source : kernel_cases()) {
-    if (source.kernel != &PoseSimplex::info() || source.benchmark) {
-      continue;
+  for (int scene = 0; scene < 60; ++scene) {
+    const SimplexScene in(random);
+    std::vector<PolishedPose> starts(4);
+    for (PolishedPose& start : starts) start = simplex_start(random);
+    std::vector<PolishedPose> expected;
+    for (const PolishedPose& start : starts) {
+      expected.push_back(brute_descent(in.params, in.field, in.points, start, &moves));
+      ++stops.at(expected.back().stop);
     }
-    const KernelCase kernel_case = source.make();
-    const auto values_of = [&]<class T>(std::size_t binding, T) {
-      std::vector<T> values(kernel_case.buffers[binding].content.size() / sizeof(T));
-      if (!values.empty()) {
-        std::memcpy(values.data(), kernel_case.buffers[binding].content.data(), values.size() * sizeof(T));
+    for (const Isa isa : available_isas()) {
+      std::vector<PolishedPose> found = starts;
+      pose_simplex_host(isa, in.params, in.field.data(), in.points.data(), found.data(), 4);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        ASSERT_EQ(0, std::memcmp(&found[i], &expected[i], sizeof(PolishedPose))) << to_string(isa) << " " << scene;
       }
-      return values;
-    };
-    PoseSimplex::Params params;
-    std::memcpy(&params, kernel_case.params.data(), sizeof(params));
-    for (const PolishedPose& start : values_of(2, PolishedPose{})) {
-      const PolishedPose end =
-          brute_descent(params, values_of(0, std::uint16_t{}), values_of(1, PointCells{}), start, &moves);
-      EXPECT_TRUE(std::isfinite(end.x) && std::isfinite(end.y) && std::isfinite(end.theta)) << source.name;
-      ++stops.at(end.stop);
     }
   }
   EXPECT_GT(moves.expansions, 20U);

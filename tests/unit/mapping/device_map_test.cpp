@@ -1,5 +1,5 @@
 // The map on a device that shares no memory: the host's copy is the device's field, bit for bit, and the number of
-// submissions is the one that the design promises: one a window, one a keyframe.
+// submissions is the one that the design promises: one a scan, two a window, one a keyframe.
 #include <algorithm>
 #include <cstdint>
 #include <memory>
@@ -38,19 +38,21 @@ class DeviceMapTest : public testing::Test {
   QueuedBackend device_;
 };
 
-TEST_F(DeviceMapTest, OneSubmissionAWindowAndOneAKeyframe) {
+TEST_F(DeviceMapTest, OneSubmissionAScanTwoAWindowAndOneAKeyframe) {
   config_.match.matcher = MatcherKind::kExhaustive;
   Mapper mapper(config_, device_);
   std::uint64_t keyframes = 0;
   std::uint64_t attempts = 0;
-  // Half way the robot is turned by 56 degrees while no odometry tells, so that some scans need more than one window.
+  // Half way the robot is turned by 80 degrees while no odometry tells, so that some scans need more than one window.
   constexpr std::size_t kTurned = 75;
-  scans_.erase(scans_.begin() + kTurned, scans_.begin() + kTurned + 14);
-  truth_.erase(truth_.begin() + kTurned, truth_.begin() + kTurned + 14);
+  scans_.erase(scans_.begin() + kTurned, scans_.begin() + kTurned + 20);
+  truth_.erase(truth_.begin() + kTurned, truth_.begin() + kTurned + 20);
   for (std::size_t i = 0; i < truth_.size(); ++i) {
     const std::uint64_t before = device_.submit_count();
     const MatchResult result = mapper.process(scans_[i], i == kTurned ? std::nullopt : std::optional(truth_[i]));
-    EXPECT_EQ(device_.submit_count() - before, result.attempts + (result.merged ? 1U : 0U)) << i;
+    // The descent from the prediction; the samples of a window and the descents from the best of them; the merge.
+    const std::uint64_t matching = i > 0 ? 1 + 2 * result.attempts : 0;
+    EXPECT_EQ(device_.submit_count() - before, matching + (result.merged ? 1U : 0U)) << i;
     EXPECT_EQ(result.attempts > 0, i > 0);
     attempts += result.attempts;
     keyframes += result.merged ? 1 : 0;
@@ -59,14 +61,19 @@ TEST_F(DeviceMapTest, OneSubmissionAWindowAndOneAKeyframe) {
   EXPECT_GT(attempts, truth_.size() - 1) << "no scan needed a second window";
   EXPECT_EQ(statistics.attempts, attempts);
   EXPECT_EQ(statistics.keyframes, keyframes);
-  EXPECT_EQ(statistics.submissions, attempts + keyframes);
+  const std::uint64_t descents = truth_.size() - 1 + attempts;
+  EXPECT_EQ(statistics.submissions, descents + attempts + keyframes);
   EXPECT_EQ(statistics.dispatches, device_.dispatch_count());
   const auto& calls = device_.calls();
-  EXPECT_EQ(std::count(calls.begin(), calls.end(), "finish_download"), static_cast<std::ptrdiff_t>(attempts))
-      << "nothing but verdicts comes back";
-  EXPECT_EQ(std::count(calls.begin(), calls.end(), "upload"),
-            static_cast<std::ptrdiff_t>(truth_.size() - 1 + keyframes + 1))
-      << "a scan's points, a keyframe's cells, and the table of distances, each once";
+  const auto count = [&](std::string_view call) {
+    return static_cast<std::uint64_t>(std::count(calls.begin(), calls.end(), call));
+  };
+  EXPECT_EQ(count("pose_descent"), descents);
+  EXPECT_EQ(count("pose_cost"), attempts);
+  EXPECT_EQ(count("finish_download"), 2 * descents + attempts)
+      << "nothing but the ends of descents, the values under the points there and the costs of samples comes back";
+  EXPECT_EQ(count("upload"), 2 * (descents + attempts) + keyframes + 1)
+      << "points and poses of each dispatch, a keyframe's cells, and the table of distances";
 }
 
 TEST_F(DeviceMapTest, TheCopyIsTheDevicesFieldAtAnyTime) {

@@ -9,7 +9,6 @@
 #include "engine/mapping/map/local_field.hpp"
 #include "engine/mapping/match/exhaustive.hpp"
 #include "engine/mapping/match/scan_matcher.hpp"
-#include "engine/mapping/match/window_matcher.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 #include "support/pose_matchers.hpp"
@@ -95,14 +94,10 @@ class MatchersOfAScan : public Matching, public testing::WithParamInterface<Matc
   void SetUp() override {
     Matching::SetUp();
     config_.match.matcher = GetParam();
-    if (GetParam() == MatcherKind::kExhaustive) {
-      matcher_ = std::make_unique<WindowMatcher>(config_, map_);
-    } else {
-      matcher_ = std::make_unique<ScanMatcher>(config_, map_);
-    }
+    matcher_ = std::make_unique<ScanMatcher>(config_, map_);
   }
 
-  std::unique_ptr<Matcher> matcher_;
+  std::unique_ptr<ScanMatcher> matcher_;
 };
 
 TEST_P(MatchersOfAScan, FindTheTruthFromNearby) {
@@ -154,13 +149,13 @@ TEST_P(MatchersOfAScan, RefuseAScanOfAnotherRoomAndKeepThePrediction) {
 TEST_P(MatchersOfAScan, TakeAsManyPointsAsThereMayBe) {
   const Pose2 truth{0.31, -0.17, 0.21};
   std::vector<PointCells> points;
-  while (points.size() < Matcher::kMostPoints) {
+  while (points.size() < kMostMatchedPoints) {
     for (const PointCells& point : scan_from(truth)) points.push_back(point);
   }
-  points.resize(Matcher::kMostPoints);
+  points.resize(kMostMatchedPoints);
   const MatchResult result =
       matcher_->match(points, {.T_map_base = truth * Pose2{0.03, 0.02, 0.03}, .by_odometry = true}, false);
-  EXPECT_EQ(result.points, Matcher::kMostPoints);
+  EXPECT_EQ(result.points, kMostMatchedPoints);
   EXPECT_THAT(result.T_map_base, PoseNear(truth, 0.02, 0.3));
 }
 
@@ -204,7 +199,8 @@ TEST_F(Matching, NoSampleOfTheWindowBeatsWhatExhaustiveFinds) {
   const std::vector<PointCells> points = scan_from(truth);
   const Prediction prediction{
       .T_map_base = truth * Pose2{0.15, 0.1, -0.1}, .travelled_m = 0.3, .turned_rad = 0.2, .by_odometry = true};
-  WindowMatcher matcher(config_, map_);
+  config_.match.matcher = MatcherKind::kExhaustive;
+  ScanMatcher matcher(config_, map_);
   const MatchResult result = matcher.match(points, prediction, false);
   EXPECT_EQ(result.attempts, 1U);
 

@@ -133,9 +133,9 @@ class Verification {
 }  // namespace
 
 std::vector<std::string> verified_matchers() {
-  std::vector<std::string> names{std::string(to_string(MatchConfig{}.matcher))};
+  std::vector<std::string> names;
   for (const MatcherInfo& matcher : matchers()) {
-    if (matcher.place == MatcherPlace::kDevice) names.emplace_back(matcher.name);
+    if (matcher.follows_slope) names.emplace_back(matcher.name);
   }
   return names;
 }

@@ -10,11 +10,10 @@
 #include <vector>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/local_field.hpp"
-#include "engine/mapping/match/window_matcher.hpp"
+#include "engine/mapping/match/scan_matcher.hpp"
 #include "engine/mapping/nodding/sweep_assembler.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/cloud.hpp"
@@ -90,10 +89,15 @@ class ScanBench {
     costs_ = backend_.allocate(kManySamples * sizeof(std::uint32_t));
     point_buffer_ = backend_.allocate(points_.size() * sizeof(PointCells));
     backend_.upload(point_buffer_, std::as_bytes(std::span(points_)));
-    PoseLattice::Params lattice{.count_xy = kManyAlong, .count_theta = kManyTurns};
-    lattice.step_cells = 1.0F;
-    lattice.step_rad = 0.005F;
-    run<PoseLattice>(backend_, lattice, {kManySamples, 1, 1}, candidates_);
+    std::vector<PoseCandidate> candidates;
+    for (std::uint32_t i = 0; i < kManySamples; ++i) {
+      const std::uint32_t x = i % kManyAlong;
+      const std::uint32_t y = i / kManyAlong % kManyAlong;
+      const std::uint32_t turn = i / (kManyAlong * kManyAlong);
+      candidates.push_back({static_cast<float>(x) - 0.5F * kManyAlong, static_cast<float>(y) - 0.5F * kManyAlong,
+                            0.005F * (static_cast<float>(turn) - 0.5F * kManyTurns), 0});
+    }
+    backend_.upload(candidates_, std::as_bytes(std::span(candidates)));
   }
   void cost_many() {
     const PoseCost::Params params =
@@ -125,7 +129,7 @@ class ScanBench {
   MapperConfig config_;
   GlobalField map_;
   LocalField local_;
-  WindowMatcher matcher_;
+  ScanMatcher matcher_;
   std::vector<PointCells> points_;
   KeyframeCells keyframe_;
   MatchResult result_;

@@ -44,10 +44,15 @@ LocalMinimum by_window(const CompareProblem& problem, const CellPose& start, con
                             .half_theta_rad = static_cast<float>(reach.half_rad),
                             .step_cells = to_cells(search.step_m, problem),
                             .step_rad = static_cast<float>(search.step_rad)};
-  const ExhaustiveResult found = search_window(
-      problem.objective, window, static_cast<std::uint32_t>(search.starts),
-      [&](const CellPose& sample) { return minimise_simplex(problem.objective, sample, SimplexOptions{}); });
-  return {found.pose, found.cost, found.evaluations, StopReason::kConverged};
+  LocalMinimum best;
+  std::uint32_t evaluations = window.count_xy() * window.count_xy() * window.count_theta();
+  for (const CellPose& sample : best_samples(problem.objective, window, static_cast<std::uint32_t>(search.starts))) {
+    const LocalMinimum found = minimise_along_slope(problem.objective, sample, {});
+    evaluations += found.evaluations;
+    if (best.stop == StopReason::kNotRun || found.cost < best.cost) best = found;
+  }
+  best.evaluations = evaluations;
+  return best;
 }
 
 LocalMinimum by_proof(const CompareProblem& problem, const CellPose& start, const StartReach& reach) {
@@ -114,8 +119,8 @@ LocalMinimum minimise_by(MatcherKind method, const CompareProblem& problem, cons
                          const StartReach& reach) {
   const MatcherInfo& matcher = matcher_info(method);
   if (matcher.proves_windows) return by_proof(problem, start, reach);
+  if (matcher.always_searches) return by_window(problem, start, reach);
   if (matcher.follows_slope) return by_slope(problem, start, reach);
-  if (matcher.descend == nullptr) return by_window(problem, start, reach);
   return matcher.descend(problem.objective, start, simplex_options(problem, reach), problem.config.optimizer);
 }
 

@@ -34,7 +34,7 @@ double error_axis(double distance_m) { return log10_of(std::max(100.0 * distance
 std::string_view method_dashes(MatcherKind method) {
   const MatcherInfo& matcher = matcher_info(method);
   if (matcher.proves_windows) return "2 4";
-  if (matcher.place == MatcherPlace::kDevice) return "8 4";
+  if (matcher.always_searches) return "8 4";
   return matcher.follows_slope ? "10 3 2 3" : "";
 }
 

@@ -106,6 +106,7 @@ class Comparison {
         in_cells(to_points(record.scan, job_.mapper.scan), job_.mapper.map.resolution_m);
     objective.set_anchor(map_cell_at(predicted.translation(), job_.mapper.map.resolution_m));
     objective.set_cap(mapper_.field().cap());
+    values_.resize(all.size());
     objective.residuals(objective.to_cells(predicted), all, values_);
     points_.clear();
     for (std::size_t i = 0; i < all.size(); ++i) {

@@ -50,16 +50,16 @@ void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t
   functions_or_throw(isa).pose_cost(params, field, points, candidates, cost, {0, count});
 }
 
-void pose_descent_host(Isa isa, const PoseDescent::Params& params, const std::uint16_t* field, const PointCells* points,
-                       PolishedPose* poses, std::uint32_t count) {
-  assert(params.grid.width >= 2 && params.grid.height >= 2 && params.width > 0.0F && params.last_width > 0.0F);
-  functions_or_throw(isa).pose_descent(params, field, points, poses, {0, count});
-}
-
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose& pose, std::uint16_t* values) {
   assert(params.width >= 1 && params.height >= 1);
   functions_or_throw(isa).point_values(params, field, points, pose, values);
+}
+
+void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint32_t count) {
+  assert(params.cost.width >= 2 && params.cost.height >= 2);
+  functions_or_throw(isa).pose_simplex(params, field, points, poses, {0, count});
 }
 
 void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,

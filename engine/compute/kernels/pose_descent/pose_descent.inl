@@ -164,6 +164,9 @@ inline float lane_tree(float* lanes) {
   return lanes[0];
 }
 
+/// One part of the prior's cost; NaN counts as the limit.
+inline float limited(float cost, float limit) { return cost < limit ? cost : limit; }
+
 /// weight * distance^2 up to the limit, beyond which the prior has no gradient.
 inline void add_prior(const PriorParams& prior, const DescentPose& pose, PoseSlope& at) {
   const float dx = pose.x - prior.mean_x;
@@ -208,6 +211,7 @@ PoseSlope slope_at(const PoseDescent::Params& params, const std::uint16_t* field
 constexpr float kFirstDamping = 1.0e-4F;
 constexpr float kMostDamping = 1000.0F;
 constexpr float kLeastPivot = 1.0e-20F;
+constexpr float kMostCost = 2.0e9F;
 
 /// Damping after a step that was undone or could not be computed.
 inline float more_damping(float damping) { return damping < 0.25F ? 1.0F : 4.0F * damping; }
@@ -256,11 +260,11 @@ class SlopeWalk {
         try_step(step);
       }
     }
-    const float cost = here_.cost < 4.0e9F ? here_.cost : 4.0e9F;
+    const float cost = here_.cost < kMostCost ? here_.cost : kMostCost;
     result.x = pose_.x;
     result.y = pose_.y;
     result.theta = pose_.theta;
-    result.cost = static_cast<std::uint32_t>(static_cast<std::int64_t>(cost));
+    result.cost = static_cast<std::uint32_t>(static_cast<std::int32_t>(cost));
     result.evaluations += evaluations_;
     result.stop = stop_;
   }
@@ -322,8 +326,13 @@ class SlopeWalk {
 };
 
 void pose_descent(const PoseDescent::Params& params, const std::uint16_t* field, const PointCells* points,
-                  PolishedPose* poses, Slice slice) {
+                  PolishedPose* poses, std::uint16_t* values, Slice slice) {
+  const std::uint32_t count = params.grid.point_count;
+  const std::uint32_t row = PoseDescent::row_of(count);
   for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
     SlopeWalk(params, field, points).run(poses[i]);
+    std::uint16_t* const under = values + at(row, i);
+    point_values(params.grid, field, points, {poses[i].x, poses[i].y, poses[i].theta}, under);
+    if (row > count) under[count] = 0;
   }
 }

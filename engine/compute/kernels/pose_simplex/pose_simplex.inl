@@ -1,18 +1,4 @@
-// The downhill simplex on the cost of a pose, and its start poses. The order of the operations is that of the header,
-// bit for bit.
-
-void pose_starts(const PoseStarts::Params& params, const PoseCandidate* candidates, const std::uint32_t* picks,
-                 PolishedPose* poses, Slice starts) {
-  for (std::uint32_t i = starts.begin; i < starts.end; ++i) {
-    const std::uint32_t index = i == 0 ? params.candidate_count : picks[2 * i - 1];
-    if (index < params.candidate_count) {
-      const PoseCandidate& picked = candidates[index];
-      poses[i] = {picked.x, picked.y, picked.theta};
-    } else {
-      poses[i] = {params.x, params.y, params.theta};
-    }
-  }
-}
+// The downhill simplex on the cost of a pose. The order of the operations is that of the header, bit for bit.
 
 /// Sum of the points' terms, for one interpolation and form.
 using PointSum = std::uint32_t (*)(const CostContext&, const CostPose&);

@@ -92,7 +92,7 @@ std::vector<std::string> isa_names() {
 void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback) {
   command
       .add_option("--device", options.device,
-                  "Where to compute: auto (a GPU where there is one, else the CPU), cpu, vulkan or vulkan:N;\n"
+                  "Where to compute: auto (a GPU where it is faster, else the CPU), cpu, vulkan or vulkan:N;\n"
                   "'gdtslam doctor --devices' lists them. Results do not depend on it")
       ->type_name("NAME")
       ->capture_default_str();

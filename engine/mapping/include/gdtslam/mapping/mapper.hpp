@@ -42,7 +42,8 @@ struct MapperOptions {
 class Mapper {
  public:
   /// Throws ConfigError that names every violation. The backend must outlive the mapper. The map lives on the CPU. For
-  /// `exhaustive` it also lives on the backend, which matches it; other matchers do not use a device.
+  /// `gauss-newton` and `exhaustive` it also lives on the backend, which matches it; other matchers do not use a
+  /// device.
   ///
   /// If the backend throws DeviceError at any later time, the mapper changes to a CPU backend of its own. It matches
   /// the current scan again there and no longer uses the device. Map and poses are the same, bit for bit, as if all had

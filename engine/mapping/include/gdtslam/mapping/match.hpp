@@ -54,7 +54,7 @@ struct MatchResult {
   std::optional<double> proven_gap_m{};
   /// Covariance of the estimate within the map it was matched with. It comes from the scan and, along directions that
   /// the scan does not determine, from the preceding motion; from that motion alone if the match was refused. Set if
-  /// MapperOptions::with_covariance requests it and the map lives on the CPU.
+  /// MapperOptions::with_covariance requests it.
   std::optional<PoseCovariance> covariance{};
   bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
   bool merged = false;    ///< a keyframe: the scan went into the map

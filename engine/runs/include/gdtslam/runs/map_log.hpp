@@ -92,8 +92,8 @@ struct MapResult {
   std::string report;   ///< the text of report.json
 };
 
-/// Returns the backend of a run, once its log is open. `has_work` is false if a device would have no work, because all
-/// matchers but one match a flat laser's scans on the host. The backend must live as long as the run.
+/// Returns the backend of a run, once its log is open. `has_work` is false if the CPU is faster than any device: at the
+/// scans of a flat laser, one after the other, unless each has a window. The backend must live as long as the run.
 using BackendOfRun = std::function<Backend&(bool has_work)>;
 
 /// Maps the logs and writes the run folder, all files or none. Throws InputError, ConfigError, FileError,
