@@ -103,8 +103,8 @@ def missing_vulkan_device():
 
 
 def vulkan_gives_the_same_bytes():
-    """Matchers on the CPU and on each device: the same map and trajectory. The device works for the matcher that walks
-    there, exhaustive, and for no other."""
+    """Matchers on the CPU and on each device: the same map and trajectory. The device works for the matchers
+    that follow the slope, gauss-newton and exhaustive, and for no other."""
     devices = require_vulkan()
     folder = fresh_folder("vulkan")
     schema = json.loads(command("config", "schema").stdout)
@@ -118,7 +118,7 @@ def vulkan_gives_the_same_bytes():
             expect(report["device"]["name"] == device["name"], f"mapped on {report['device']}")
             expect(results(report) == results(cpu), f"{matcher}: another result on {device['name']}")
             submissions = report["submissions"]  # none to a CPU, whose kernels count as dispatches
-            expect((submissions > 0) == (matcher == "exhaustive"), f"{matcher}: {submissions} submissions")
+            expect((submissions > 0) == (matcher in ("gauss-newton", "exhaustive")), f"{matcher}: {submissions} submissions")
 
 
 def verify_passes():
@@ -130,7 +130,7 @@ def verify_passes():
     report = json.loads(process.stdout)
     expect(report["differences"] == 0 and report["passed"] is True, "differences with exit 0")
     target = report["targets"][0]
-    expect(target["decoys"] == len(target["kernels"]) >= 15, f"{target['decoys']} decoys of {len(target['kernels'])} kernels")
+    expect(target["decoys"] == len(target["kernels"]) >= 12, f"{target['decoys']} decoys of {len(target['kernels'])} kernels")
     expect(target["submissions"] >= target["dispatches"] > 1000, f"{target['dispatches']} dispatches")
     shipped = {(name, run["matcher"], run["loops"]): run for name in ("office-start", "nodding-start")
                for run in json.loads(EXPECTED.with_name(f"{name}.json").read_text())["runs"]}
@@ -140,13 +140,9 @@ def verify_passes():
         for side in ("reference", "device"):
             expect(results(log[side]) == results(shipped[which]), f"{which} on {side} is not as shipped")
             expect((log[side]["cloud_sha256"] or "") == shipped[which]["cloud_sha256"], f"the cloud of {which} on {side} is not as shipped")
-        # Only exhaustive and a cloud's points are made on the device; the map of the other matchers stays on the host.
-        if log["matcher"] == "exhaustive":
-            expect(log["device"]["dispatches"] > log["scans"] and log["device"]["submissions"] > 0, f"{log['device']}")
-        elif log["device"]["cloud_sha256"]:
-            expect(log["device"]["dispatches"] > 0 and log["device"]["submissions"] > 0, f"{log['device']}")
-        else:
-            expect(log["device"]["dispatches"] == 0 and log["device"]["submissions"] == 0, f"{log['device']}")
+        # Each scan is matched on the device, but not those of a nodding laser between two that fix the pose.
+        matched = 0 if log["device"]["cloud_sha256"] else log["scans"] - 1
+        expect(log["device"]["dispatches"] > matched and log["device"]["submissions"] > 0, f"{log['device']}")
         expect(log["device"]["copy_equal"], "copy")
 
 
