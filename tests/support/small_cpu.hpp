@@ -5,23 +5,17 @@
 #include <utility>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/core/error.hpp"
 
 namespace gdtslam::test {
 
-/// A CPU without address space to spare (reserve()); buffers and downloads are those of a real one, until it is told to
-/// refuse buffers.
+/// A CPU with so small a largest buffer that no search window fits, and without address space to spare (reserve());
+/// buffers and downloads are those of a real one.
 class SmallCpu final : public Backend {
  public:
   SmallCpu() : device_(cpu_->device()) { device_.max_buffer_bytes = 1000; }
 
-  void refuse_buffers() { refuses_ = true; }
-
   [[nodiscard]] const DeviceInfo& device() const override { return device_; }
-  Buffer allocate(std::size_t bytes) override {
-    if (refuses_) throw DeviceError(device_.name, "allocate", "too large a buffer");
-    return cpu_->allocate(bytes);
-  }
+  Buffer allocate(std::size_t bytes) override { return cpu_->allocate(bytes); }
   void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) override {
     cpu_->upload(target, data, offset);
   }
@@ -48,7 +42,6 @@ class SmallCpu final : public Backend {
 
   std::unique_ptr<Backend> cpu_ = make_cpu_backend({});
   DeviceInfo device_;
-  bool refuses_ = false;
 };
 
 }  // namespace gdtslam::test

@@ -78,6 +78,7 @@ class Objective {
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
   [[nodiscard]] std::span<const PointCells> points() const { return points_; }
   [[nodiscard]] std::uint64_t evaluations() const { return evaluations_; }
+  [[nodiscard]] const DeviceInfo& device() const { return backend_->device(); }
 
  private:
   void upload(Buffer& buffer, std::span<const std::byte> bytes);

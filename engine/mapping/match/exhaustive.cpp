@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
@@ -38,13 +41,26 @@ bool Lattice::is_local_minimum(std::uint32_t x, std::uint32_t y, std::uint32_t t
   return true;
 }
 
+// If a device has no room for a window, the step fails like a failed device: the CPU has room.
+void require_room(std::size_t samples, const DeviceInfo& device) {
+  const std::size_t bytes = samples * sizeof(PoseCandidate);
+  if (bytes <= device.max_buffer_bytes) return;
+  throw DeviceError(device.name, "allocate",
+                    "no buffer for a search window: its " + std::to_string(samples) + " poses are " +
+                        std::to_string(bytes) + " bytes, the largest allowed is " +
+                        std::to_string(device.max_buffer_bytes) +
+                        "; raise search.step and search.step_angle or lower search.max_half_width");
+}
+
 Lattice sample(Objective& objective, const SearchWindow& window) {
   Lattice lattice{.count_xy = window.count_xy(), .count_theta = window.count_theta(), .poses = {}, .costs = {}};
   const auto offset = [](std::uint32_t i, std::uint32_t count, float step) {
     const std::uint32_t middle = count / 2;
     return (static_cast<float>(i) - static_cast<float>(middle)) * step;
   };
-  lattice.poses.reserve(std::size_t{lattice.count_xy} * lattice.count_xy * lattice.count_theta);
+  const std::size_t samples = std::size_t{lattice.count_xy} * lattice.count_xy * lattice.count_theta;
+  require_room(samples, objective.device());
+  lattice.poses.reserve(samples);
   for (std::uint32_t t = 0; t < lattice.count_theta; ++t) {
     for (std::uint32_t y = 0; y < lattice.count_xy; ++y) {
       for (std::uint32_t x = 0; x < lattice.count_xy; ++x) {

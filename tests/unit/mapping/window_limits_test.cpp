@@ -87,14 +87,17 @@ TEST(WindowLimits, AWindowMayTakeAllOfTheLargestBuffer) {
   EXPECT_EQ(outcome.count("pose_descent"), 2);
 }
 
-TEST(WindowLimits, AByteLessIsRefused) {
+TEST(WindowLimits, AByteLessIsRefusedWithBothSizesAndWhatToDo) {
   const Scene scene = make_scene();
+  const std::size_t bytes = window_bytes(scene);
   try {
-    outcome_of(scene, window_bytes(scene) - 1);
+    outcome_of(scene, bytes - 1);
     FAIL() << "nothing was thrown";
   } catch (const DeviceError& error) {
-    EXPECT_EQ(error.call(), "allocate");
-    EXPECT_EQ(error.result(), "too large a buffer");
+    EXPECT_THAT(error.what(), HasSubstr("search window"));
+    EXPECT_THAT(error.what(),
+                HasSubstr(std::to_string(bytes) + " bytes, the largest allowed is " + std::to_string(bytes - 1)));
+    EXPECT_THAT(error.what(), HasSubstr("lower search.max_half_width"));
   }
 }
 
@@ -110,7 +113,7 @@ TEST(WindowLimits, TheCpuGoesOnWhereAWindowDoesNotFit) {
   device.set_max_buffer_bytes(2 * (expected.cells.size() + expected.cells.size() / 4));
   const test::MappedDrive found = test::map_drive(scans, config, device);
   expect_same(found, expected);
-  EXPECT_THAT(found.loss, HasSubstr("too large a buffer"));
+  EXPECT_THAT(found.loss, HasSubstr("search window"));
   ASSERT_EQ(found.warnings.size(), 1U);
   EXPECT_THAT(found.warnings[0], HasSubstr("going on with the CPU"));
 }
@@ -121,15 +124,13 @@ TEST(WindowLimits, FromTheCpuThereIsNoWayBack) {
   const auto scans = test::room_scans(4, 2);
   test::SmallCpu cpu;
   int warnings = 0;
-  MapperConfig config = test::quick_config(MatcherKind::kExhaustive);
-  config.search.step_m = 0.1;  // so many samples that they take a buffer
-  Mapper mapper(config, cpu, {.fall_back = true, .cpu = {}, .warn = [&warnings](const std::string&) { ++warnings; }});
+  Mapper mapper(test::quick_config(MatcherKind::kExhaustive), cpu,
+                {.fall_back = true, .cpu = {}, .warn = [&warnings](const std::string&) { ++warnings; }});
   EXPECT_TRUE(mapper.process(scans[0].scan, scans[0].T_odom_base).merged);
-  cpu.refuse_buffers();
   for (std::size_t i = 1; i < scans.size(); ++i) {
     EXPECT_THROW(mapper.process(scans[i].scan, scans[i].T_odom_base), DeviceError) << i;
   }
-  EXPECT_THAT(mapper.device_loss(), HasSubstr("too large a buffer"));
+  EXPECT_THAT(mapper.device_loss(), HasSubstr("search window"));
   EXPECT_EQ(warnings, 0);
   EXPECT_FALSE(mapper.field().download().empty()) << "the map is kept";
 }
