@@ -7,6 +7,7 @@ layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 
 #include "common/launch.glsl"
 #include "common/field_lookup.glsl"
+#include "common/reciprocal.glsl"
 
 struct PolishedPose {
   float x;
@@ -71,14 +72,6 @@ struct Gate {
   float per_width;
   float most;
 };
-
-float reciprocal(float value) {
-  precise float r = uintBitsToFloat(0x7EF311C7u - floatBitsToUint(value));
-  r = r * (2.0 - value * r);
-  r = r * (2.0 - value * r);
-  r = r * (2.0 - value * r);
-  return r;
-}
 
 Gate gate_of(float width) {
   precise float most = (width * width) * (1.0 / 1536.0);

@@ -83,7 +83,7 @@ struct Stopped {};  // thrown through the back end by its own progress
 }  // namespace
 
 struct LoopClosing::State {
-  State(const MapperConfig& c, const MapperOptions& options)
+  State(const MapperConfig& c, const MapperOptions& options, const BatchDevice& device)
       : config(c),
         threads(threads_meant(options.cpu.threads)),
         back_end({.loops = {},
@@ -93,6 +93,7 @@ struct LoopClosing::State {
                            .scratch_folder = options.scratch_folder},
                   .joint = {},
                   .scans = {},
+                  .device = device,
                   .threads = threads,
                   .scratch_folder = options.scratch_folder}),
         map(config) {}
@@ -108,8 +109,8 @@ struct LoopClosing::State {
   std::optional<SideThread> mapping;  // thread that makes it
 };
 
-LoopClosing::LoopClosing(const MapperConfig& config, const MapperOptions& options)
-    : state_(std::make_unique<State>(config, options)) {}
+LoopClosing::LoopClosing(const MapperConfig& config, const MapperOptions& options, const BatchDevice& device)
+    : state_(std::make_unique<State>(config, options, device)) {}
 LoopClosing::~LoopClosing() = default;
 
 MapperConfig LoopClosing::adapt_config(MapperConfig config) {

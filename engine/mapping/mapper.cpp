@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/compute/batch_device.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "engine/mapping/match/match_rules.hpp"
@@ -128,7 +129,10 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
     if (config.local.stretch_m > 0.0) next = std::make_unique<MatchedMap>(config, *cpu, device);
     open_matcher();
   });
-  if (options.with_loops) loops = std::make_unique<LoopClosing>(config, options);
+  if (!options.with_loops) return;
+  const BatchDevice batches{.get = [this] { return device; },
+                            .lost = [this](const DeviceError& error) { leave_device(error); }};
+  loops = std::make_unique<LoopClosing>(config, options, batches);
 }
 
 void Mapper::State::open_matcher() { matcher = std::make_unique<ScanMatcher>(config, map->matched()); }
@@ -146,7 +150,7 @@ void Mapper::State::leave_device(const DeviceError& error) {
   count_work(*cpu);
   if (!options.fall_back || was_on_cpu) throw DeviceError(error);
   if (map) open_matcher();
-  if (options.warn) options.warn(loss_text + "; going on with the CPU, which gives the same results");
+  if (options.warn) options.warn(loss_text + kGoingOnWithCpu);
 }
 
 // Throws the error that left the mapper without a matcher.

@@ -262,6 +262,25 @@ def device_that_fails():
             expect(process.stdout == "" or process.stdout.splitlines()[-1].startswith("FAIL: "), process.stdout)
 
 
+def merge_on_a_device_that_fails():
+    """One warning and the CPU's result, or exit 1 with the call's name."""
+    require_vulkan()
+    folder = fresh_folder("merge_fails")
+    mapped(folder / "early", "--first", 210)
+    mapped(folder / "late", "--skip", 140)
+    runs = ["merge", folder / "early", folder / "late", "--device"]
+    expect_exit(command(*runs, "cpu", "-o", folder / "cpu", "-q"), 0)
+    env = failing("vkQueueSubmit", 2)
+    process = command(*runs, "vulkan", "-o", folder / "out", "-q", env=env)
+    expect_exit(process, 0)
+    expect(process.stderr.count("\n") == 1 and "vk::Queue::submit" in process.stderr, process.stderr)
+    paths = [(folder / name / "1/trajectory.tum").read_bytes() for name in ("cpu", "out")]
+    expect(paths[0] == paths[1], "another path")
+    process = command(*runs, "vulkan", "-o", folder / "no", "-q", "--no-fallback", env=env)
+    expect_exit(process, 1)
+    one_error_line(process.stderr)
+
+
 def gpu_is_looked_for_when_needed():
     """--device auto asks the Vulkan loader for devices only where a run has work for one; a device that is named is opened always."""
     if not has_vulkan_part() or ctypes.util.find_library("vulkan") is None:

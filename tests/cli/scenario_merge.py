@@ -50,11 +50,13 @@ def merge_joins_what_overlaps():
     paths = [[line for line in lines if not line.startswith("#")] for lines in sessions]
     whole = [line for line in (site / "trajectory.tum").read_text().splitlines() if not line.startswith("#")]
     expect(paths[0] + paths[1] == whole, "the sessions are not the trajectory")
-    expect_exit(command("merge", late, early, "-o", folder / "other", "--threads", 2, "-q"), 0)
-    left = sorted(path.name for path in (folder / "other/1").iterdir())
-    expect(left == sorted(path.name for path in site.iterdir()), f"{left}")
-    for name in SITE_FILES:
-        expect((site / name).read_bytes() == (folder / "other/1" / name).read_bytes(), f"{name} depends on the order")
+    others = {"other": ("--threads", 2)} | ({"on_device": ("--device", "vulkan")} if cli.vulkan_devices() else {})
+    for other, arguments in others.items():
+        expect_exit(command("merge", late, early, "-o", folder / other, "-q", *arguments), 0)
+        left = sorted(path.name for path in (folder / other / "1").iterdir())
+        expect(left == sorted(path.name for path in site.iterdir()), f"{left}")
+        for name in SITE_FILES:
+            expect((site / name).read_bytes() == (folder / other / "1" / name).read_bytes(), f"{name} depends on {other}")
     found = command("localize", site, LOG, "--every", 300, "--json")
     expect_exit(found, 0)
     expect(all(scan["verdict"] != "poor-fit" for scan in json.loads(found.stdout)["scans"]), found.stdout)

@@ -10,6 +10,7 @@
 
 #include "brute_bounds.hpp"
 #include "brute_force.hpp"
+#include "brute_lines.hpp"
 #include "brute_slope.hpp"
 #include "brute_sweep.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
@@ -210,6 +211,17 @@ void descent_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   outcome.contents[3] = bytes_of(values);
 }
 
+void lines_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<PointToLine::Params>(kernel_case);
+  const auto values = values_of<float>(outcome.contents[0]);
+  const auto bins = values_of<std::uint16_t>(outcome.contents[1]);
+  std::vector<PointToLine::Sums> sums;
+  for (const PointToLine::Pair& pair : values_of<PointToLine::Pair>(outcome.contents[2])) {
+    sums.push_back(brute_line_sums(params, values, bins, pair));
+  }
+  outcome.contents[3] = bytes_of(sums);
+}
+
 void sweep_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const SweepInput input{.params = params_of<SweepPoints::Params>(kernel_case),
                          .beams = values_of<BeamRange>(outcome.contents[0]),
@@ -248,7 +260,8 @@ const std::map<std::string_view, Oracle>& oracles() {
                                                         {"pose_descent", descent_oracle},
                                                         {"sweep_points", sweep_oracle},
                                                         {"pose_bounds", bounds_oracle},
-                                                        {"gdt_stamp", stamp_oracle}};
+                                                        {"gdt_stamp", stamp_oracle},
+                                                        {"point_to_line", lines_oracle}};
   return table;
 }
 

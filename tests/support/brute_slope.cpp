@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 #include "engine/core/elementary.hpp"
@@ -20,20 +19,6 @@ struct Equations {
   Three gradient;
   std::array<Three, 3> curvature;
 };
-
-/// 1 / value by three steps of Newton.
-Single reciprocal(Single value) {
-  Single r{std::bit_cast<float>(0x7EF311C7U - std::bit_cast<std::uint32_t>(value.value))};
-  for (int step = 0; step < 3; ++step) r = r * (Single{2.0F} - value * r);
-  return r;
-}
-
-Single sum_of(Lanes lanes) {
-  for (std::size_t half = 32; half > 0; half /= 2) {
-    for (std::size_t i = 0; i < half; ++i) lanes[i] = lanes[i] + lanes[i + half];
-  }
-  return lanes[0];
-}
 
 Single cell_value(const PoseCost::Params& grid, const std::vector<std::uint16_t>& field, std::size_t x, std::size_t y) {
   const std::size_t place = x / 64 * grid.strip + x % 64 + y * grid.stride;

@@ -26,7 +26,7 @@ template <class... K>
 struct KernelList {};
 /// Every dispatched kernel, in the order of the registry, which walks this list as the cases do.
 using AllKernels = KernelList<SeedScatter, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField, PoseCost,
-                              GdtMerge, FieldGrow, PoseDescent, SweepPoints, PoseBounds, GdtStamp>;
+                              GdtMerge, FieldGrow, PoseDescent, SweepPoints, PoseBounds, GdtStamp, PointToLine>;
 
 /// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
 struct CellRange {
@@ -64,6 +64,8 @@ struct IsaFunctions {
                        float* points, Slice);
   void (*gdt_stamp)(const GdtStamp::Params&, std::uint16_t* field, const std::uint32_t* list, const std::uint16_t* disc,
                     Slice);
+  void (*point_to_line)(const PointToLine::Params&, const float* values, const std::uint16_t* bins,
+                        const PointToLine::Pair* pairs, float* sums, Slice);
   // Only on the host:
   void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
                         const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
@@ -74,11 +76,12 @@ struct IsaFunctions {
                        PolishedPose* poses, Slice);
   void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose&, std::uint16_t* values);
-  void (*find_lines)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Point* points,
-                     std::int32_t* found);
+  void (*find_lines)(const PointToLine::Params&, const PointToLine::Pose&, const PointToLine::Scan& fixed,
+                     const PointToLine::Scan& moving, std::uint32_t every, std::uint32_t taken, std::int32_t* found);
   /// totals: PointToLine::kSums values.
-  void (*line_slope)(const PointToLine::Params&, const PointToLine::Lines&, const PointToLine::Point* points,
-                     const std::int32_t* found, double* totals);
+  void (*line_slope)(const PointToLine::Params&, const PointToLine::Pose&, const PointToLine::Scan& fixed,
+                     const PointToLine::Scan& moving, std::uint32_t every, std::uint32_t taken,
+                     const std::int32_t* found, float* totals);
 };
 
 extern const IsaFunctions kBaselineFunctions;

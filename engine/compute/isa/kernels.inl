@@ -62,6 +62,7 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .pose_bounds = pose_bounds,
     .sweep_points = sweep_points,
     .gdt_stamp = gdt_stamp,
+    .point_to_line = point_to_line,
     .pose_minorant = pose_minorant,
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/point_values/point_values.hpp"
@@ -33,12 +34,14 @@ void pose_descent_host(Isa isa, const PoseDescent::Params& params, const std::ui
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose& pose, std::uint16_t* values);
 
-/// The line of each point taken, or PointToLine::kNone; at least kCandidates lines.
-void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                     const PointToLine::Point* points, std::int32_t* found);
-/// Normal equations of the points on the lines found.
-PointToLine::Sums line_slope_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                                  const PointToLine::Point* points, const std::int32_t* found);
+/// The line of each of the points taken from a scan, or PointToLine::kNone.
+void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLine::Pose& pose,
+                     const PointToLine::Scan& fixed, const PointToLine::Scan& moving, std::uint32_t every,
+                     std::span<std::int32_t> found);
+/// Normal equations of these points on the lines found.
+PointToLine::Sums line_slope_host(Isa isa, const PointToLine::Params& params, const PointToLine::Pose& pose,
+                                  const PointToLine::Scan& fixed, const PointToLine::Scan& moving, std::uint32_t every,
+                                  std::span<const std::int32_t> found);
 
 /// Sums of `count` tiles of boxes, tile_width * tile_height each.
 void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,

@@ -12,8 +12,7 @@ namespace {
 
 constexpr double kHardly_m = 0.001;  // motion of a pair within which its lines are kept
 constexpr double kHardly_rad = 0.0004;
-constexpr double kFewestLaid = 15.0;       // points needed to match a scan with another
-constexpr std::size_t kPairsAtOnce = 512;  // pairs matched by the workers before they are added up
+constexpr double kFewestLaid = 15.0;  // points needed to match a scan with another
 
 // The core has these pairs of each keyframe: the next ones back in time, and the nearest ones of earlier passes.
 constexpr std::size_t kCoreBack = 3;
@@ -161,22 +160,34 @@ struct JointAdjustment::OneWay {
   }
 };
 
+namespace {
+
+/// Whether a pair moved so far since its equations were built that they are wanted anew; where it is now.
+void want(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses, bool is_built, const Pose2& built_at,
+          LinePair& way) {
+  way.fixed = fixed;
+  way.moving = moving;
+  way.found_at = way.at = between(poses[fixed], poses[moving]);
+  const Tangent2 moved = log_tangent(between(built_at, way.at));
+  way.is_wanted =
+      !is_built || std::max(std::fabs(moved[0]), std::fabs(moved[1])) > kHardly_m || std::fabs(moved[2]) > kHardly_rad;
+}
+
+}  // namespace
+
 // Motions of the moving scan are tangents on its right; a motion of the fixed scan is, seen from the moving one, the
 // opposite motion carried over.
-JointAdjustment::OneWay JointAdjustment::one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
-                                                 const LineGate& gate, Built& built) const {
-  const Pose2 T_fixed_moving = between(poses[fixed], poses[moving]);
-  Tangent2 moved = log_tangent(between(built.T_fixed_moving, T_fixed_moving));
-  if (built.gate_m != gate.most_m || std::max(std::fabs(moved[0]), std::fabs(moved[1])) > kHardly_m ||
-      std::fabs(moved[2]) > kHardly_rad) {
-    const LineEquations lines = line_equations(scans_[fixed], scans_[moving], T_fixed_moving, gate);
-    built = {T_fixed_moving, gate.most_m, lines.weight, lines.cost_m2,
-             lines.weight < kFewestLaid ? Belief{} : belief_in(lines)};
-    moved = {};
+JointAdjustment::OneWay JointAdjustment::one_way(const LinePair& way, double gate_m, Built& built) const {
+  Tangent2 moved{};
+  if (way.is_wanted) {
+    const LineEquations& lines = way.equations;
+    built = {way.at, gate_m, lines.weight, lines.cost_m2, lines.weight < kFewestLaid ? Belief{} : belief_in(lines)};
+  } else {
+    moved = log_tangent(between(built.T_fixed_moving, way.at));
   }
   if (built.weight < kFewestLaid) return {};
   const double weight = options_.independent / (options_.point_noise_m * options_.point_noise_m);
-  const Matrix3 by_fixed = -1.0 * adjoint_matrix(inverse(T_fixed_moving));
+  const Matrix3 by_fixed = -1.0 * adjoint_matrix(inverse(way.at));
   const Matrix3 information = weight * built.belief.information;
   const Matrix3 cross = information * by_fixed;
   Tangent2 pull = information * moved;
@@ -191,19 +202,28 @@ JointAdjustment::OneWay JointAdjustment::one_way(std::size_t fixed, std::size_t 
           .cost_m2 = built.cost_m2};
 }
 
-// Workers match the scans; one thread adds up the results, in the order of the pairs.
+// Workers or a device match the scans; one thread adds up the results, in the order of the pairs.
 LineEquations JointAdjustment::lay_pairs(const LineGate& gate, Systems& systems, const std::vector<Pose2>& poses,
-                                         WorkerPool& workers) const {
+                                         WorkerPool& workers, LinePairs& lines) const {
   const std::vector<KeyframePair>& pairs = systems.pairs();
-  std::vector<std::array<OneWay, 2>> laid(std::min(kPairsAtOnce, pairs.size()));
+  std::vector<std::array<OneWay, 2>> laid(std::min(lines.at_once() / 2, pairs.size()));
+  std::vector<LinePair> ways(2 * laid.size());
   LineEquations total;
   for (std::size_t first = 0; first < pairs.size(); first += laid.size()) {
     const std::size_t count = std::min(laid.size(), pairs.size() - first);
     workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const auto& [from, to] = pairs[first + k];
+        const auto& [there, back] = systems.built(first + k);
+        want(from, to, poses, there.gate_m == gate.most_m, there.T_fixed_moving, ways[2 * k]);
+        want(to, from, poses, back.gate_m == gate.most_m, back.T_fixed_moving, ways[2 * k + 1]);
+      }
+    });
+    lines.build(scans_, gate, std::span(ways).first(2 * count));
+    workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
         auto& [there, back] = systems.built(first + k);
-        laid[k] = {one_way(from, to, poses, gate, there), one_way(to, from, poses, gate, back)};
+        laid[k] = {one_way(ways[2 * k], gate.most_m, there), one_way(ways[2 * k + 1], gate.most_m, back)};
       }
     });
     for (std::size_t k = 0; k < count; ++k) {
@@ -223,10 +243,10 @@ LineEquations JointAdjustment::lay_pairs(const LineGate& gate, Systems& systems,
 }
 
 double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, WorkerPool& workers,
-                                  JointResult& result) const {
+                                  LinePairs& lines, JointResult& result) const {
   systems.begin(gate_m);
   const LineGate gate{.most_m = gate_m, .points = options_.points};
-  const LineEquations total = lay_pairs(gate, systems, poses, workers);
+  const LineEquations total = lay_pairs(gate, systems, poses, workers, lines);
   for (BlockSystem* system : systems.all()) {
     for (const PoseRelation& relation : held_) add_relation(relation, poses, 1.0, *system);
   }
@@ -235,13 +255,15 @@ double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<P
   return systems.step(poses);
 }
 
-JointResult JointAdjustment::run(std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress) const {
+JointResult JointAdjustment::run(std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress,
+                                 const BatchDevice& device) const {
   JointResult result;
   if (poses.size() < 2) return result;
   Systems systems(find_pairs(poses), held_, scans_.size());
+  LinePairs lines(scans_, workers, device);
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
-    result.largest_step_m = take_step(gate_m, systems, poses, workers, result);
+    result.largest_step_m = take_step(gate_m, systems, poses, workers, lines, result);
     if (result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m) break;
     gate_m = std::max(options_.last_gate_m, options_.narrowing * gate_m);
     progress(static_cast<double>(step + 1) / static_cast<double>(options_.iterations));

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/core/worker_pool.hpp"
-#include "engine/mapping/adjust/point_to_line.hpp"
+#include "engine/mapping/adjust/line_pairs.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
 
@@ -55,20 +55,20 @@ class JointAdjustment {
 
   /// Called after each iteration with the finished share.
   using Progress = std::function<void(double)>;
-  /// Adjusts `poses`; the workers match the pairs.
+  /// Adjusts `poses`; the workers match the pairs, or the device if there is one.
   JointResult run(
-      std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress = [](double) {}) const;
+      std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress = [](double) {},
+      const BatchDevice& device = {}) const;
 
  private:
   class Systems;
   struct OneWay;
   struct Built;
-  double take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, WorkerPool& workers,
+  double take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, WorkerPool& workers, LinePairs& lines,
                    JointResult& result) const;
-  LineEquations lay_pairs(const LineGate& gate, Systems& systems, const std::vector<Pose2>& poses,
-                          WorkerPool& workers) const;
-  [[nodiscard]] OneWay one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
-                               const LineGate& gate, Built& built) const;
+  LineEquations lay_pairs(const LineGate& gate, Systems& systems, const std::vector<Pose2>& poses, WorkerPool& workers,
+                          LinePairs& lines) const;
+  [[nodiscard]] OneWay one_way(const LinePair& way, double gate_m, Built& built) const;
 
   const std::vector<LineScan>& scans_;
   std::vector<PoseRelation> held_;

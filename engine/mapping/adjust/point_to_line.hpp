@@ -30,35 +30,42 @@ struct LineEquations {
   double cost_m2 = 0.0;
 };
 
-/// The surface points of a scan, as points and as lines for those of others: 24 bytes a point, and half a kilobyte. A
+/// The surface points of a scan, as points and as lines for those of others: 16 bytes a point, and half a kilobyte. A
 /// point beyond the field of view is on no line: the line of the last beam has its normal from one side alone, tilted
 /// by that beam's own noise. Points beyond it would pull scans onto each other, by 0.1 per cent of the way along a
 /// corridor.
 class LineScan {
  public:
+  LineScan() : LineScan(std::span<const SurfacePoint>{}) {}
   explicit LineScan(std::span<const SurfacePoint> surface);
   explicit LineScan(const KeptScan& scan) : LineScan(scan.surface) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] const PointToLine::Point* points() const { return points_.data(); }
-  [[nodiscard]] PointToLine::Lines lines() const;
+  [[nodiscard]] PointToLine::Scan view() const;
+  /// The block of values and the bins, as the kernel has them.
+  [[nodiscard]] std::span<const float> values() const { return values_; }
+  [[nodiscard]] std::span<const std::uint16_t> bins() const { return bins_; }
 
  private:
   std::size_t size_;
-  std::vector<PointToLine::Point> points_;
-  std::vector<float> places_;  // all x, all y
-  std::array<std::uint16_t, PointToLine::kBins> first_{};
+  std::vector<float> values_;
+  std::array<std::uint16_t, PointToLine::kBins> bins_{};
   float low_ = -2.0F;
   float high_ = 2.0F;
 };
 
-/// The lines of `fixed` that the points of `moving` lie on at T_fixed_moving.
-void find_lines(const LineScan& fixed, const LineScan& moving, const Pose2& T_fixed_moving, const LineGate& gate,
-                std::vector<std::int32_t>& found);
+/// Which points of a scan are taken: every so many, and how many that are.
+struct TakenShare {
+  TakenShare(std::size_t size, std::size_t wanted);
+  std::uint32_t every;
+  std::uint32_t count;
+};
 
-/// Builds the equations at T_fixed_moving from the lines found there, or at a pose nearby.
-LineEquations line_equations(const LineScan& fixed, const LineScan& moving, const Pose2& T_fixed_moving,
-                             const LineGate& gate, const std::vector<std::int32_t>& found);
+PointToLine::Params line_params(const LineGate& gate);
+PointToLine::Pose line_pose(const Pose2& T_fixed_moving);
+LineEquations to_equations(const PointToLine::Sums& sums);
+
+/// Builds the equations at T_fixed_moving.
 LineEquations line_equations(const LineScan& fixed, const LineScan& moving, const Pose2& T_fixed_moving,
                              const LineGate& gate);
 

@@ -59,35 +59,70 @@ std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::
   return keyframes;
 }
 
-Pose2 ScanAdjustment::adjusted(const LineScan& scan, const Pose2& pose, std::optional<std::size_t> last) const {
-  const std::vector<std::size_t> near = keyframes_near(pose, last);
-  const LineGate gate{.most_m = options_.point_gate_m, .points = options_.points};
-  Pose2 best = pose;
+/// A scan on its way.
+struct ScanAdjustment::Course {
+  Pose2 start;
   Pose2 searched_at;
-  std::vector<std::vector<std::int32_t>> found(near.size());
-  for (int step = 0; step < options_.iterations; ++step) {
-    Matrix3 information;
-    Tangent2 gradient{};
-    const Pose2 moved = between(searched_at, best);
-    const bool is_far = translation_length(moved) > kSearchAgain_m || std::fabs(moved.theta_rad) > kSearchAgain_rad;
-    const bool searches = step == 0 || is_far;
-    if (searches) searched_at = best;
-    for (std::size_t k = 0; k < near.size(); ++k) {
-      const std::size_t keyframe = near[k];
-      const Pose2 T = between(poses_[keyframe], best);
-      if (searches) find_lines(keyframes_[keyframe], scan, T, gate, found[k]);
-      const LineEquations lines = line_equations(keyframes_[keyframe], scan, T, gate, found[k]);
-      information += lines.information;
-      add(gradient, lines.gradient);
-    }
-    const double mean = 0.1 * (information(0, 0) + information(1, 1) + information(2, 2)) + 1.0;
-    const double hold = options_.stiffness * mean;
-    const Matrix3 stiffness = Matrix3::diagonal(hold, hold, kTurnStiffness * hold);
-    add(gradient, stiffness * log_tangent(between(pose, best)));
-    const Tangent2 back = inverse(information + stiffness) * gradient;
-    best = best * exp_tangent({-back[0], -back[1], -back[2]});
+  bool has_lines = false;
+  std::vector<std::size_t> near;  ///< keyframes
+  std::size_t first_pair = 0;
+};
+
+void ScanAdjustment::lay(const MovingScan& moving, Course& course, std::span<LinePair> pairs) const {
+  const Pose2 moved = between(course.searched_at, moving.pose);
+  const bool is_far = translation_length(moved) > kSearchAgain_m || std::fabs(moved.theta_rad) > kSearchAgain_rad;
+  const bool searches = !std::exchange(course.has_lines, true) || is_far;
+  if (searches) course.searched_at = moving.pose;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    LinePair& pair = pairs[k];
+    const Pose2& keyframe = poses_[course.near[k]];
+    pair.fixed = course.near[k];
+    pair.moving = moving.number;
+    pair.found_at = between(keyframe, course.searched_at);
+    pair.at = between(keyframe, moving.pose);
+    pair.is_found = !searches;
   }
-  return best;
+}
+
+void ScanAdjustment::move(MovingScan& moving, Course& course, std::span<const LinePair> pairs) const {
+  Matrix3 information;
+  Tangent2 gradient{};
+  for (const LinePair& pair : pairs) {
+    information += pair.equations.information;
+    add(gradient, pair.equations.gradient);
+  }
+  const double mean = 0.1 * (information(0, 0) + information(1, 1) + information(2, 2)) + 1.0;
+  const double hold = options_.stiffness * mean;
+  const Matrix3 stiffness = Matrix3::diagonal(hold, hold, kTurnStiffness * hold);
+  add(gradient, stiffness * log_tangent(between(course.start, moving.pose)));
+  const Tangent2 back = inverse(information + stiffness) * gradient;
+  moving.pose = moving.pose * exp_tangent({-back[0], -back[1], -back[2]});
+}
+
+void ScanAdjustment::adjust(std::span<const LineScan> scans, std::span<MovingScan> moving, LinePairs& lines,
+                            WorkerPool& workers) const {
+  std::vector<Course> courses(moving.size());
+  const auto each = [&](const auto& work) {
+    workers.run(moving.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::size_t i = begin; i < end; ++i) work(moving[i], courses[i]);
+    });
+  };
+  each([&](const MovingScan& scan, Course& course) {
+    course.start = scan.pose;
+    course.near = keyframes_near(scan.pose, scan.last);
+  });
+  std::size_t count = 0;
+  for (Course& course : courses) course.first_pair = std::exchange(count, count + course.near.size());
+  std::vector<LinePair> pairs(count);
+  const auto pairs_of = [&](const Course& course) {
+    return std::span(pairs).subspan(course.first_pair, course.near.size());
+  };
+  const LineGate gate{.most_m = options_.point_gate_m, .points = options_.points};
+  for (int step = 0; step < options_.iterations; ++step) {
+    each([&](const MovingScan& scan, Course& course) { lay(scan, course, pairs_of(course)); });
+    lines.build(scans, gate, pairs);
+    each([&](MovingScan& scan, Course& course) { move(scan, course, pairs_of(course)); });
+  }
 }
 
 }  // namespace gdtslam

@@ -1,5 +1,5 @@
 // Adjusts scans between keyframes to the keyframes around them, which stay: such a scan becomes as good as they are.
-// Frame: the keyframes'. Thread-safe. Cost: eight pairs of scans and three iterations each.
+// Frame: the keyframes'. Cost: eight pairs of scans and three iterations each; on a device three submissions a call.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/mapping/adjust/point_to_line.hpp"
+#include "engine/mapping/adjust/line_pairs.hpp"
 #include "engine/mapping/adjust/pose_bins.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
 #include "gdtslam/core/pose.hpp"
@@ -32,17 +32,27 @@ struct ScanAdjustmentOptions {
   double stiffness = 0.3;  ///< toward the pose given, relative to the mean information of the points
 };
 
+/// A scan that is adjusted.
+struct MovingScan {
+  std::size_t number = 0;           ///< its own, among the scans given
+  std::optional<std::size_t> last;  ///< the keyframe before it; none: those with a similar heading count as next to it
+  Pose2 pose;
+};
+
 class ScanAdjustment {
  public:
   /// Keyframes and poses, one each, must outlive this.
   ScanAdjustment(std::span<const LineScan> keyframes, std::span<const Pose2> poses,
                  const ScanAdjustmentOptions& options);
 
-  /// The adjusted pose of a scan taken after keyframe `last` and before the next. Without `last`, keyframes with a
-  /// similar heading count as next to it.
-  [[nodiscard]] Pose2 adjusted(const LineScan& scan, const Pose2& pose, std::optional<std::size_t> last) const;
+  /// Adjusts the poses of `moving`, which are of `scans`. `lines` lays scans on the keyframes.
+  void adjust(std::span<const LineScan> scans, std::span<MovingScan> moving, LinePairs& lines,
+              WorkerPool& workers) const;
 
  private:
+  struct Course;
+  void lay(const MovingScan& moving, Course& course, std::span<LinePair> pairs) const;
+  void move(MovingScan& moving, Course& course, std::span<const LinePair> pairs) const;
   [[nodiscard]] std::vector<std::size_t> keyframes_near(const Pose2& pose, std::optional<std::size_t> last) const;
   [[nodiscard]] bool is_neighbour(std::size_t keyframe, const Pose2& pose, std::optional<std::size_t> last) const;
 

@@ -35,8 +35,7 @@ constexpr double kLeastForDoubt = 0.3;  // least factor of the wheels' variance 
 // In a turn in which the two disagree, the wheels get slightly more weight: their own heading counts then, and its
 // error moves the later path as that of the matches does.
 constexpr double kTurnOfWheels = 0.9;
-constexpr std::size_t kScansAtOnce = 256;  // scans adjusted by the workers between two reports of progress
-constexpr int kTimesCarried = 3;           // repetitions for scans without a kept keyframe: their poses are the graph's
+constexpr int kTimesCarried = 3;  // repetitions for scans without a kept keyframe: their poses are the graph's
 constexpr std::size_t kMostCovariances = 400;  // places with computed covariances; the rest are interpolated
 
 Matrix3 least_of_wheels() {
@@ -222,9 +221,9 @@ JointResult BackEnd::adjust_keyframes(const LoopCloser& closer, std::vector<Pose
   const std::vector<Pose2> before = those_at(kept_, keyframes);
   std::vector<Pose2> after = before;
   const JointResult result =
-      JointAdjustment(kept_scans_, std::move(held), options_.joint).run(after, workers, [&](double share) {
-        progress("adjusting keyframes", share);
-      });
+      JointAdjustment(kept_scans_, std::move(held), options_.joint)
+          .run(
+              after, workers, [&](double share) { progress("adjusting keyframes", share); }, options_.device);
   if (kept_.size() < keyframes.size()) carry_with_nearest(before, after, keyframes);
   for (std::size_t k = 0; k < kept_.size(); ++k) keyframes[kept_[k]] = after[k];
   return result;
@@ -234,27 +233,32 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
                            const Progress& progress) const {
   const std::vector<Pose2> kept = those_at(kept_, keyframes);
   const ScanAdjustment adjustment(kept_scans_, kept, options_.scans);
+  LinePairs lines(kept_scans_, workers, options_.device);
   Shelf<KeptScan>::Reader shelf(shelf_);
   Shelf<Scan>::Reader scans(scans_);
-  std::vector<KeptScan> taken(kScansAtOnce);
-  std::vector<std::size_t> hung_on(kScansAtOnce);  // keyframes
-  for (std::size_t first = 0; first < poses.size(); first += kScansAtOnce) {
-    const std::size_t count = std::min(kScansAtOnce, poses.size() - first);
+  const std::size_t at_once = lines.at_once() / options_.scans.most_keyframes;
+  std::vector<LineScan> taken(at_once);
+  std::vector<MovingScan> moving;
+  for (std::size_t first = 0; first < poses.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, poses.size() - first);
+    std::vector<KeptScan> points(count);
+    moving.clear();
     for (std::size_t i = 0; i < count; ++i) {
-      taken[i] = shelf.next();
-      hung_on[i] = scans.next().keyframe;
+      points[i] = shelf.next();
+      const std::size_t keyframe = scans.next().keyframe;
+      const std::optional<std::size_t> last = number_in(kept_, keyframe);
+      const bool is_adjusted = last && keyframes_[keyframe] == first + i;  // with the others
+      if (!is_adjusted) moving.push_back({i, last, poses[first + i]});
     }
-    workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::size_t i = first + begin; i < first + end; ++i) {
-        const std::size_t keyframe = hung_on[i - first];
-        const std::optional<std::size_t> last = number_in(kept_, keyframe);
-        if (last && keyframes_[keyframe] == i) continue;  // adjusted with the others
-        const LineScan scan(taken[i - first]);
-        for (int times = last ? 1 : kTimesCarried; times > 0; --times) {
-          poses[i] = adjustment.adjusted(scan, poses[i], last);
-        }
-      }
+    workers.run(moving.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::size_t k = begin; k < end; ++k) taken[moving[k].number] = LineScan(points[moving[k].number]);
     });
+    const auto of_kept = std::stable_partition(moving.begin(), moving.end(), [](const auto& s) { return !s.last; });
+    for (int times = 1; times < kTimesCarried; ++times) {
+      adjustment.adjust(taken, std::span(moving.begin(), of_kept), lines, workers);
+    }
+    adjustment.adjust(taken, moving, lines, workers);
+    for (const MovingScan& scan : moving) poses[first + scan.number] = scan.pose;
     progress("adjusting scans", static_cast<double>(first + count) / static_cast<double>(poses.size()));
   }
 }

@@ -31,6 +31,7 @@ struct BackEndOptions {
   LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
+  BatchDevice device{};          ///< of the adjustments
   unsigned threads = 1;          ///< threads of the adjustments, the caller's included; 0: one a processor
   std::string scratch_folder{};  ///< folder for the shelves' files
   std::size_t shelf_bytes = ByteShelf::kMemoryBytes;  ///< memory of the shelf that holds the points

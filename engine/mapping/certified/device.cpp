@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/mapping/map/device_memory.hpp"
+#include "engine/compute/device_memory.hpp"
 
 namespace gdtslam {
 

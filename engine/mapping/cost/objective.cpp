@@ -4,9 +4,9 @@
 #include <cassert>
 #include <cmath>
 
+#include "engine/compute/device_memory.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
-#include "engine/mapping/map/device_memory.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {

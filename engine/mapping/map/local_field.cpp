@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "device_memory.hpp"
+#include "engine/compute/device_memory.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "store/growth.hpp"

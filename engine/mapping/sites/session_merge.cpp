@@ -25,10 +25,9 @@ MergedSite merge_group(const std::vector<std::size_t>& group, const std::vector<
     site.loops_between = graph.loops_between(true);
     site.loops_off = graph.loops_between(false);
     const std::vector<LineScan> scans(graph.scans().begin(), graph.scans().end());
+    const auto tell = [&](double share) { progress("adjusting keyframes", share); };
     site.joint =
-        JointAdjustment(scans, graph.held_relations(), options.joint).run(graph.poses(), workers, [&](double share) {
-          progress("adjusting keyframes", share);
-        });
+        JointAdjustment(scans, graph.held_relations(), options.joint).run(graph.poses(), workers, tell, options.device);
     graph.return_to_frame();
   }
   site.poses = graph.poses_of_sessions();

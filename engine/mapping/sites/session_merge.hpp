@@ -21,6 +21,7 @@ struct MergeOptions {
   LoopSearchOptions loops;
   int rounds = 2;  ///< over all places, of the search for loops
   JointOptions joint;
+  BatchDevice device{};  ///< lays keyframes on each other
 };
 
 /// Sessions that lie in one frame.

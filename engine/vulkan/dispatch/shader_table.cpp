@@ -10,6 +10,7 @@
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_descent/pose_descent.hpp"
@@ -138,6 +139,7 @@ constexpr ShaderVariant kVariants[] = {
     by_groups(shader::pose_bounds, kGroup, {kSmallTiles, 0}, has_tiles<kSmallTiles>),
     by_groups(shader::pose_bounds, kGroup, {kWideTiles, 0}, nullptr),
     by_cells(shader::gdt_stamp, stamped_quads),
+    by_groups(shader::point_to_line, PointToLine::kLanes, {0, 0}, nullptr),
 };
 
 }  // namespace

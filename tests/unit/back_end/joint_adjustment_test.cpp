@@ -9,6 +9,7 @@
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
+#include "support/adjusted_scan.hpp"
 #include "support/room.hpp"
 
 namespace gdtslam {
@@ -175,7 +176,7 @@ TEST(ScanAdjustment, PutsAScanBetweenItsKeyframes) {
   const std::vector<Pose2> poses = test::drive_through_room();
   for (std::size_t i = 1; i < poses.size(); i += 7) {
     const Pose2 off = poses[i] * Pose2{0.012, -0.009, 0.006};
-    const Pose2 adjusted = adjustment.adjusted(seen_from(poses[i]), off, i / 3);
+    const Pose2 adjusted = test::adjusted(adjustment, drive.scans, seen_from(poses[i]), off, i / 3);
     EXPECT_LT(away_m(adjusted, poses[i]), 0.5 * away_m(off, poses[i])) << i << ": a third is held by the pose given";
   }
 }

@@ -12,6 +12,7 @@
 #include "engine/mapping/adjust/point_to_line.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "gdtslam/core/random.hpp"
+#include "support/adjusted_scan.hpp"
 
 namespace gdtslam {
 namespace {
@@ -179,7 +180,8 @@ class ScanOnKeyframes {
   [[nodiscard]] double moved_to(std::optional<std::size_t> last) const {
     std::vector<SurfacePoint> wall;
     for (int k = -5; k <= 5; ++k) wall.push_back(surface_point(2.0, 0.05 * k));
-    return ScanAdjustment(keyframes_, poses_, options_).adjusted(LineScan(scan_with(wall)), {}, last).x_m;
+    const ScanAdjustment adjustment(keyframes_, poses_, options_);
+    return test::adjusted(adjustment, keyframes_, LineScan(scan_with(wall)), {}, last).x_m;
   }
 
  private:

@@ -13,6 +13,7 @@
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 #include "gdtslam/compute/backend.hpp"
@@ -150,6 +151,20 @@ TEST(LaunchLimits, OfAStamp) {
   EXPECT_NE(fault_of<GdtStamp>(good, {kAmple, 63, 88 * 11 * 2}, {2, 1, 1}), "");
   EXPECT_NE(fault_of<GdtStamp>(good, {kAmple, 64, 88 * 11 * 2 - 1}, {2, 1, 1}), "");
   EXPECT_NE(fault_of<GdtStamp>(good, {kAmple, kAmple, kAmple}, {1, 1, 1}), "");
+}
+
+// A pair is 17 words, its sums 11.
+TEST(LaunchLimits, OfPointsOnLines) {
+  using P = PointToLine::Params;
+  const auto fault = [](const P& p) { return fault_of<PointToLine>(p, {kAmple, kAmple, kAmple, kAmple}, {2, 1, 1}); };
+  EXPECT_EQ(fault({}), "");
+  EXPECT_EQ(fault({.gate_m2 = 0.0F, .per_kernel_m2 = 0.0F}), "");
+  EXPECT_NE(fault({.gate_m2 = -1.0F}).find("gate"), std::string::npos);
+  EXPECT_NE(fault({.per_kernel_m2 = 2.0e15F}).find("scale"), std::string::npos);
+  EXPECT_NE(fault({.least_cosine = std::numeric_limits<float>::infinity()}).find("cosine"), std::string::npos);
+  EXPECT_EQ(fault_of<PointToLine>(P{}, {kAmple, kAmple, 136, 88}, {2, 1, 1}), "");
+  EXPECT_NE(fault_of<PointToLine>(P{}, {kAmple, kAmple, 135, 88}, {2, 1, 1}), "");
+  EXPECT_NE(fault_of<PointToLine>(P{}, {kAmple, kAmple, 136, 87}, {2, 1, 1}), "");
 }
 
 // A grid of 5 x 3 in rows of 8 cells has 2 * 8 + 5 = 21 of them.

@@ -64,7 +64,8 @@ TEST_P(Subnormals, MayBeTakenForZero) {
   EXPECT_GT(tried, 20U);
 }
 
-INSTANTIATE_TEST_SUITE_P(In, Subnormals, testing::Values("pose_cost", "pose_descent", "sweep_points", "pose_bounds"),
+INSTANTIATE_TEST_SUITE_P(In, Subnormals,
+                         testing::Values("pose_cost", "pose_descent", "sweep_points", "pose_bounds", "point_to_line"),
                          [](const auto& kernel) { return std::string(kernel.param); });
 
 }  // namespace

@@ -11,16 +11,16 @@
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr unsigned kMostThreads = 1024;
-
 struct MergeCommand {
   MergeRequest request;
+  DeviceOptions device;
   bool no_map = false;
   bool no_pictures = false;
   bool json = false;
@@ -76,6 +76,18 @@ int merge(const MergeCommand& command) {
   request.progress = [&line](std::string_view step, double share) {
     line.draw([&](double) { return fmt::format("{:4.0f} %  {}", 100.0 * share, step); });
   };
+  BackendWhenNeeded backend(command.device);
+  Backend* device = &backend.of(false);
+  if (device->device().kind == "cpu") device = nullptr;
+  request.threads = command.device.threads;
+  const MapperOptions on_failure = on_failure_of(command.device);
+  request.options.device = {.get = [&device] { return device; },
+                            .lost =
+                                [&](const DeviceError& error) {
+                                  device = nullptr;
+                                  if (!on_failure.fall_back) throw DeviceError(error);
+                                  on_failure.warn(std::string(error.what()) + kGoingOnWithCpu);
+                                }};
   const MergeOutcome outcome = merge_runs(request);
   line.clear();
   if (command.json) {
@@ -105,13 +117,7 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
       ->required()
       ->type_name("DIR");
   add_force_option(*command, options->request.replace_foreign_files);
-  command
-      ->add_option("--threads", options->request.threads,
-                   "Threads of the CPU, 0 for one per processor. Results do not depend on it")
-      ->type_name("N")
-      ->transform(without_leading_zeros())
-      ->check(CLI::Range(0U, kMostThreads))
-      ->capture_default_str();
+  add_device_options(*command, options->device, true, false);
   command->add_flag("--no-map", options->no_map,
                     "Do not cast the occupancy map, nor write map.pgm, map.yaml and the pictures of it");
   command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png");

@@ -62,17 +62,4 @@ void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::ui
   functions_or_throw(isa).pose_simplex(params, field, points, poses, {0, count});
 }
 
-void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                     const PointToLine::Point* points, std::int32_t* found) {
-  assert(lines.count >= static_cast<std::int32_t>(PointToLine::kCandidates));
-  functions_or_throw(isa).find_lines(params, lines, points, found);
-}
-
-PointToLine::Sums line_slope_host(Isa isa, const PointToLine::Params& params, const PointToLine::Lines& lines,
-                                  const PointToLine::Point* points, const std::int32_t* found) {
-  PointToLine::Sums sums{};
-  functions_or_throw(isa).line_slope(params, lines, points, found, sums.data());
-  return sums;
-}
-
 }  // namespace gdtslam

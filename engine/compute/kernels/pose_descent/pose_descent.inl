@@ -157,8 +157,9 @@ inline void add_slopes(float cap, std::uint32_t blank, const GateWidth& gate, st
   }
 }
 
+template <std::uint32_t kCount>
 inline float lane_tree(float* lanes) {
-  for (std::uint32_t half = kSlopeLanes / 2; half > 0; half /= 2) {
+  for (std::uint32_t half = kCount / 2; half > 0; half /= 2) {
     for (std::uint32_t i = 0; i < half; ++i) lanes[i] += lanes[i + half];
   }
   return lanes[0];
@@ -201,7 +202,7 @@ PoseSlope slope_at(const PoseDescent::Params& params, const std::uint16_t* field
     add_slopes(static_cast<float>(grid.cap), blank, gate, whole, block, sums);
   }
   float totals[kSlopeSums];
-  for (std::uint32_t k = 0; k < kSlopeSums; ++k) totals[k] = lane_tree(sums.lanes[k]);
+  for (std::uint32_t k = 0; k < kSlopeSums; ++k) totals[k] = lane_tree<kSlopeLanes>(sums.lanes[k]);
   PoseSlope slope{totals[0], totals[1], totals[2], totals[3], totals[4],
                   totals[5], totals[6], totals[7], totals[8], totals[9]};
   add_prior(params.prior, pose, slope);

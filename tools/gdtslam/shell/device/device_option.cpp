@@ -89,7 +89,7 @@ std::vector<std::string> isa_names() {
 
 }  // namespace
 
-void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback) {
+void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback, bool with_isa) {
   command
       .add_option("--device", options.device,
                   "Where to compute: auto (a GPU where it is faster, else the CPU), cpu, vulkan or vulkan:N;\n"
@@ -105,11 +105,13 @@ void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fal
       ->transform(without_leading_zeros())
       ->check(CLI::Range(0U, kMostThreads))
       ->capture_default_str();
-  command
-      .add_option("--isa", options.isa,
-                  "Force the CPU's instruction set: baseline, avx2 or avx512. Results do not depend on it")
-      ->type_name("NAME");
-  offer_words(command.get_option("--isa"), isa_names());
+  if (with_isa) {
+    command
+        .add_option("--isa", options.isa,
+                    "Force the CPU's instruction set: baseline, avx2 or avx512. Results do not depend on it")
+        ->type_name("NAME");
+    offer_words(command.get_option("--isa"), isa_names());
+  }
   if (!with_fallback) return;
   command.add_flag("--no-fallback", options.no_fallback,
                    "Fail (exit 1, with the call of the driver) rather than go on with the CPU when the device fails");

@@ -21,8 +21,8 @@ struct DeviceOptions {
   bool no_fallback = false;
 };
 
-/// Adds --device, --threads and --isa; with_fallback also --no-fallback.
-void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback = true);
+/// Adds --device and --threads; with_fallback also --no-fallback, with_isa also --isa.
+void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback = true, bool with_isa = true);
 
 /// Parses baseline, avx2 or avx512. Throws UsageError.
 Isa isa_from_name(const std::string& name);

@@ -19,6 +19,7 @@
 
 namespace gdtslam {
 
+struct BatchDevice;
 struct MapperOptions;
 
 /// How well a relative pose is known: the inverse of the covariance of (x, y, theta), the motion along the axes of the
@@ -117,7 +118,7 @@ class LoopClosing {
   /// Receives the current step and its finished share.
   using Progress = std::function<void(std::string_view, double)>;
 
-  LoopClosing(const MapperConfig& config, const MapperOptions& options);
+  LoopClosing(const MapperConfig& config, const MapperOptions& options, const BatchDevice& device);
   ~LoopClosing();
   LoopClosing(const LoopClosing&) = delete;
   LoopClosing& operator=(const LoopClosing&) = delete;
