@@ -33,6 +33,11 @@ Ints shift_right_signed(Ints a) {
 inline Ints shift_right(Ints a, __m128i bits) { return _mm256_srl_epi32(a, bits); }
 inline Ints load(const void* aligned) { return _mm256_load_si256(static_cast<const __m256i*>(aligned)); }
 inline void store(void* aligned, Ints a) { _mm256_store_si256(static_cast<__m256i*>(aligned), a); }
+/// Cells and, in the upper halves, their right neighbours. Single loads beat gather instructions.
+inline Ints load_pairs(const std::uint16_t* field, const std::uint32_t* cells) {
+  const auto pair = [=](std::uint32_t lane) { return _mm_cvtsi128_si32(_mm_loadu_si32(field + cells[lane])); };
+  return _mm256_setr_epi32(pair(0), pair(1), pair(2), pair(3), pair(4), pair(5), pair(6), pair(7));
+}
 inline std::uint32_t lane_sum(Ints a) {
   const __m128i four = _mm_add_epi32(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1));
   const __m128i two = _mm_add_epi32(four, _mm_shuffle_epi32(four, 0x4E));

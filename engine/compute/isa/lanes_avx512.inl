@@ -33,6 +33,26 @@ Ints shift_right_signed(Ints a) {
 inline Ints shift_right(Ints a, __m128i bits) { return _mm512_srl_epi32(a, bits); }
 inline Ints load(const void* aligned) { return _mm512_load_si512(aligned); }
 inline void store(void* aligned, Ints a) { _mm512_store_si512(aligned, a); }
+/// Masked broadcasts, because few units insert into vectors.
+inline __m128i load_four_pairs(const std::uint16_t* field, const std::uint32_t* cells) {
+  const __m128i one = _mm_loadu_si32(field + cells[0]);
+  const __m128i two = _mm_mask_broadcastd_epi32(one, 2, _mm_loadu_si32(field + cells[1]));
+  const __m128i three = _mm_mask_broadcastd_epi32(two, 4, _mm_loadu_si32(field + cells[2]));
+  return _mm_mask_broadcastd_epi32(three, 8, _mm_loadu_si32(field + cells[3]));
+}
+/// Cells and, in the upper halves, their right neighbours. Single loads beat gather instructions.
+inline Ints load_pairs(const std::uint16_t* field, const std::uint32_t* cells) {
+  const __m256i low = _mm256_set_m128i(load_four_pairs(field, cells + 4), load_four_pairs(field, cells));
+  const __m256i high = _mm256_set_m128i(load_four_pairs(field, cells + 12), load_four_pairs(field, cells + 8));
+  return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+}
+/// Cells of a row, or pairs as of load_pairs, by column modulo 64: columns 0 to 31 are in `low`, the others in `high`.
+template <bool kPairs>
+Ints pick_cells(const std::uint16_t* low, const std::uint16_t* high, Ints columns) {
+  const Ints twice = _mm512_shuffle_epi8(columns, _mm512_set4_epi32(0x0C0C0C0C, 0x08080808, 0x04040404, 0));
+  const Ints picked = kPairs ? add(twice, all(1 << 16)) : columns;
+  return _mm512_permutex2var_epi16(_mm512_loadu_si512(low), picked, _mm512_loadu_si512(high));
+}
 inline std::uint32_t lane_sum(Ints a) {
   const __m256i eight = _mm256_add_epi32(_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64(a, 1));
   const __m128i four = _mm_add_epi32(_mm256_castsi256_si128(eight), _mm256_extracti128_si256(eight, 1));
@@ -50,13 +70,13 @@ inline std::uint32_t lane_least(Ints a) {
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_min_epi32(two, _mm_shuffle_epi32(two, 0xB1))));
 }
 
-/// Points of the lanes. A lane's point is fixed; lanes are not in the order of the points, on which sums do not depend.
 struct LanePoints {
   Floats x;
   Floats y;
 };
 inline LanePoints split(Floats low, Floats high) {
-  return {_mm512_shuffle_ps(low, high, 0x88), _mm512_shuffle_ps(low, high, 0xDD)};
+  const Ints even = add(lane_numbers(), lane_numbers());
+  return {_mm512_permutex2var_ps(low, even, high), _mm512_permutex2var_ps(low, add(even, all(1)), high)};
 }
 inline LanePoints load_points(const PointCells* points) {
   return split(_mm512_loadu_ps(&points->x), _mm512_loadu_ps(&points->x + 16));
@@ -69,6 +89,5 @@ inline LanePoints load_points(const PointCells* points, std::uint32_t count) {
 }
 /// The lanes of the first `count` < 16 points, zero in the others.
 inline Ints only_first(Ints a, std::uint32_t count) {
-  const Ints point_of_lane = _mm512_setr_epi32(0, 1, 8, 9, 2, 3, 10, 11, 4, 5, 12, 13, 6, 7, 14, 15);
-  return _mm512_maskz_mov_epi32(_mm512_cmplt_epi32_mask(point_of_lane, all(static_cast<std::int32_t>(count))), a);
+  return _mm512_maskz_mov_epi32(_mm512_cmplt_epi32_mask(lane_numbers(), all(static_cast<std::int32_t>(count))), a);
 }

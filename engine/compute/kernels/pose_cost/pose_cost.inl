@@ -50,34 +50,16 @@ inline std::int32_t floor_position(float position) {
   return truncated - (static_cast<float>(truncated) > position ? 1 : 0);
 }
 
-/// Points of a block: enough that the stores of look-ups have reached the cache when vectors are loaded from them.
+/// Points of a block: enough that the stores of cells have reached the cache when they are looked up.
 constexpr std::uint32_t kCostBlock = 128;
 
-/// A block of points in the three steps: position, look-up, value. Vector units do the first and the last; the look-ups
-/// are single loads, which beat gather instructions (measured on Zen 5: 1.85 against 1.54 G/s nearest, 1.19 against
-/// 0.72 bilinear).
+/// A block of points between two steps: the cells are located, and their values are added.
 struct CostBlock {
-  alignas(64) std::uint32_t cell[kCostBlock];
+  alignas(64) std::uint32_t cell[kCostBlock];  ///< at most (width - 2, height - 2), so neighbours are inside as well
   alignas(64) std::int32_t position_x[kCostBlock];  ///< the low byte is the fraction
   alignas(64) std::int32_t position_y[kCostBlock];
-  alignas(64) std::uint32_t lower[kCostBlock];  ///< two neighbours in the row, the left one in the lower half
-  alignas(64) std::uint32_t upper[kCostBlock];  ///< the same one row up
+  alignas(64) float turned_x[kCostBlock];  ///< rotated, not translated
 };
-
-/// Reads the cells of a block. Cells are at most (width - 2, height - 2), so neighbours are inside as well.
-template <bool kBilinear>
-inline void look_up(const CostContext& context, std::uint32_t count, CostBlock& block) {
-  const std::uint16_t* row_above = context.field + context.stride;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::size_t cell = block.cell[i];
-    if constexpr (kBilinear) {
-      __builtin_memcpy(&block.lower[i], context.field + cell, 4);
-      __builtin_memcpy(&block.upper[i], row_above + cell, 4);
-    } else {
-      block.lower[i] = context.field[cell];
-    }
-  }
-}
 
 #if GDTSLAM_ISA_LEVEL > 0
 #include "pose_cost_vector.inl"
@@ -92,21 +74,57 @@ std::uint32_t point_sum(const CostContext& context, const CostPose& pose) {
   BlockSteps<kBilinear, kSquared> steps(context, pose);
   for (std::uint32_t first = 0; first < context.count; first += kCostBlock) {
     const std::uint32_t count = lesser(kCostBlock, context.count - first);
-    const std::uint32_t located = steps.locate(context.points + first, count, block);
-    look_up<kBilinear>(context, located, block);
+    steps.locate(context.points + first, count, block);
     steps.add_values(block, count);
   }
   return steps.sum();
 }
 
+#if GDTSLAM_ISA_LEVEL == 2
+/// Sums of the first candidates that form a row (BlockSteps::add_row_values); returns how many. Short rows do not pay.
+template <bool kBilinear, bool kSquared>
+std::uint32_t row_sums(const CostContext& context, const CostPose& pose, const PoseCandidate* candidates,
+                       std::uint32_t count, std::uint32_t* sums) {
+  const PoseCandidate& first = candidates[0];
+  std::uint32_t length = 1;
+  while (length < lesser(count, kLanes) && candidates[length].theta == first.theta && candidates[length].y == first.y &&
+         candidates[length].x >= first.x && candidates[length].x - first.x <= 30.0F) {
+    ++length;
+  }
+  if (length < 5 || context.strip_step == 0) {
+    sums[0] = point_sum<kBilinear, kSquared>(context, pose);
+    return 1;
+  }
+  const Ints lane_candidates = lesser(lane_numbers(), all(static_cast<std::int32_t>(length - 1)));
+  const Floats x = _mm512_i32gather_ps(shift_left<2>(lane_candidates), &candidates->x, sizeof(float));
+  CostBlock block;
+  BlockSteps<kBilinear, kSquared> steps(context, pose);
+  for (std::uint32_t i = 0; i < context.count; i += kCostBlock) {
+    const std::uint32_t points = lesser(kCostBlock, context.count - i);
+    steps.locate(context.points + i, points, block);
+    steps.add_row_values(block, points, x);
+  }
+  _mm512_mask_storeu_epi32(sums, static_cast<__mmask16>((1U << length) - 1U), steps.sums());
+  return length;
+}
+#endif
+
 template <bool kBilinear, bool kSquared>
 void candidate_costs(const CostContext& context, const PoseCandidate* candidates, std::uint32_t* cost, Slice slice) {
+  SinCos<float> rotation{};
+  for (std::uint32_t i = slice.begin; i < slice.end;) {
+    const bool is_turned = i == slice.begin || candidates[i].theta != candidates[i - 1].theta;
+    rotation = is_turned ? sin_cos(candidates[i].theta) : rotation;
+    const CostPose pose{rotation.sin, rotation.cos, candidates[i].x, candidates[i].y};
+#if GDTSLAM_ISA_LEVEL == 2
+    i += row_sums<kBilinear, kSquared>(context, pose, candidates + i, slice.end - i, cost + i);
+#else
+    cost[i++] = point_sum<kBilinear, kSquared>(context, pose);
+#endif
+  }
   for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
-    const SinCos<float> rotation = sin_cos(candidates[i].theta);
-    const std::uint32_t sum =
-        point_sum<kBilinear, kSquared>(context, {rotation.sin, rotation.cos, candidates[i].x, candidates[i].y});
-    const std::uint32_t total = sum + candidates[i].bias;
-    cost[i] = total < sum ? 0xFFFFFFFFU : total;
+    const std::uint32_t total = cost[i] + candidates[i].bias;
+    cost[i] = total < cost[i] ? 0xFFFFFFFFU : total;
   }
 }
 

@@ -22,13 +22,16 @@ struct CostCase {
   std::uint32_t field_cap = 0;    ///< value of unknown cells; 0: the cap
   bool is_subnormal = false;      ///< many coordinates of points and poses are subnormal
   bool strips = false;            ///< the field lies in strips, and its cap is 0
+  std::uint32_t row = 1;          ///< so many candidates differ in x alone,
+  float row_step_cells = 0.0F;    ///< by as much from one to the next
 
   [[nodiscard]] std::string name() const {
     return size_name(field) + " " + std::to_string(candidates) + " poses " + std::to_string(points) + " points cap " +
            std::to_string(cap) + (interpolation == Interpolation::kBilinear ? " bilinear" : " nearest") +
            (form == CostForm::kSquared ? " squared" : "") + (field_cap != 0 ? " of " + std::to_string(field_cap) : "") +
            (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "") +
-           (is_subnormal ? " subnormal" : "") + (strips ? " strips" : "");
+           (is_subnormal ? " subnormal" : "") + (strips ? " strips" : "") +
+           (row > 1 ? " rows of " + std::to_string(row) + " every " + std::to_string(row_step_cells) : "");
   }
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
@@ -71,6 +74,10 @@ std::vector<PoseCandidate> make_candidates(const CostCase& shape, Random& random
       poses[i] = {-1.0e9F, 3.0e30F, 60.0F, 1};
     } else if (i % 16 == 7) {
       poses[i].bias = 0xFFFFFFFFU;
+    }
+    if (i % shape.row != 0) {
+      const PoseCandidate& before = poses[i - 1];
+      poses[i] = {before.x + shape.row_step_cells, before.y, before.theta, poses[i].bias};
     }
   }
   return poses;
@@ -122,6 +129,23 @@ void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation,
                               .strips = true});
     }
   }
+  // Rows shorter and longer than a vector, within and beyond 30 cells, across strips and edges, back and forth.
+  for (const auto& [row, step] :
+       {std::pair(4U, 1.0F), {5U, 7.5F}, {16U, 2.0F}, {17U, 0.37F}, {23U, 6.0F}, {9U, -1.0F}}) {
+    for (const CaseSize& size : {CaseSize{97, 83, 100}, {256, 200, 256}, {64, 70, 64}, {66, 3, 68}, {2, 2, 4}}) {
+      add_case(list, CostCase{.field = size,
+                              .points = 133,
+                              .candidates = 6 * row,
+                              .cap = 5120,
+                              .spread_cells = 60.0,
+                              .interpolation = interpolation,
+                              .form = form,
+                              .odd_points = row == 17,
+                              .strips = row != 5,
+                              .row = row,
+                              .row_step_cells = step});
+    }
+  }
   add_case(list, CostCase{{2, 2, 4}, 9, 6, 1000, 3.0, interpolation, form});
   add_case(list, CostCase{{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form});
   add_case(list, CostCase{{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form});
@@ -153,6 +177,8 @@ KernelCase draw_cost(const std::string& name, Random& random) {
   shape.anchor_shift = static_cast<std::int32_t>(draw_count(random, 1000)) - 20;
   shape.odd_points = random.below(8) == 0;
   shape.strips = random.below(2) == 0;
+  shape.row = 1 + draw_count(random, 40);
+  shape.row_step_cells = static_cast<float>(random.uniform(-1.0, 8.0));
   return shape.make(name);
 }
 
@@ -184,17 +210,18 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
     }
   }
   for (const Interpolation interpolation : kInterpolations) {
-    for (const bool strips : {false, true}) {
-      add_case(list,
-               CostCase{.field = kBenchField,
-                        .points = 361,
-                        .candidates = 4096,
-                        .cap = 20 * 256,
-                        .spread_cells = 40.0,
-                        .interpolation = interpolation,
-                        .strips = strips},
-               CaseUse::kBenchmark);
-    }
+    CostCase shape{.field = kBenchField,
+                   .points = 361,
+                   .candidates = 4096,
+                   .cap = 20 * 256,
+                   .spread_cells = 40.0,
+                   .interpolation = interpolation};
+    add_case(list, shape, CaseUse::kBenchmark);
+    shape.strips = true;
+    add_case(list, shape, CaseUse::kBenchmark);
+    shape.row = 32;
+    shape.row_step_cells = 0.5F;
+    add_case(list, shape, CaseUse::kBenchmark);
   }
   add_case(list, CostCase{kBenchField, 361, 4096, 20 * 256, 40.0, Interpolation::kBilinear, CostForm::kSquared},
            CaseUse::kBenchmark);

@@ -5,8 +5,8 @@ class BlockSteps {
  public:
   BlockSteps(const CostContext& context, const CostPose& pose) : context_(context), pose_(pose) {}
 
-  /// Fills in positions and cells of the points; returns how many cells there are to look up.
-  std::uint32_t locate(const PointCells* points, std::uint32_t count, CostBlock& block) const {
+  /// Fills in positions and cells of the points.
+  void locate(const PointCells* points, std::uint32_t count, CostBlock& block) const {
     for (std::uint32_t i = 0; i < count; ++i) {
       const float u = (pose_.c * points[i].x - pose_.s * points[i].y) + pose_.x;
       const float v = (pose_.s * points[i].x + pose_.c * points[i].y) + pose_.y;
@@ -18,7 +18,6 @@ class BlockSteps {
       const auto y = static_cast<std::uint32_t>(clamped(qy >> 8, 0, context_.last_y));
       block.cell[i] = field_place(x, y, context_.stride, context_.strip_step);
     }
-    return count;
   }
 
   void add_values(const CostBlock& block, std::uint32_t count) {
@@ -33,10 +32,14 @@ class BlockSteps {
  private:
   [[nodiscard]] std::uint32_t field_value(const CostBlock& block, std::uint32_t i) const {
     if constexpr (!kBilinear) {
-      return block.lower[i] ^ (context_.blank & 0xFFFFU);
+      return context_.field[block.cell[i]] ^ (context_.blank & 0xFFFFU);
     }
-    const std::uint32_t lower_pair = block.lower[i] ^ context_.blank;
-    const std::uint32_t upper_pair = block.upper[i] ^ context_.blank;
+    std::uint32_t lower_pair = 0;
+    std::uint32_t upper_pair = 0;
+    __builtin_memcpy(&lower_pair, context_.field + block.cell[i], 4);
+    __builtin_memcpy(&upper_pair, context_.field + context_.stride + block.cell[i], 4);
+    lower_pair ^= context_.blank;
+    upper_pair ^= context_.blank;
     const auto fx = static_cast<std::uint32_t>(block.position_x[i] & 255);
     const auto fy = static_cast<std::uint32_t>(block.position_y[i] & 255);
     const std::uint32_t lower = left(lower_pair) * (256 - fx) + right(lower_pair) * fx;
