@@ -209,17 +209,18 @@ class GpuServer(ScriptTest):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(page.splitlines()[0], "# gdtslam 1.2.3 on A GPU (fast, new)")
         self.assertIn("Everything is equal", page)
-        # The fastest of three runs each: the first, the fourth and the seventh.
-        for device, seconds in (("cpu, 1 thread: CPU", 1), ("cpu, all threads: CPU", 4), ("vulkan: A GPU (fast, new)", 7)):
-            self.assertIn(f"| office.log | {device} | 350 | {seconds}.250 | 0.500 | 1.500 | 4080 | 466 | 123456789abc |"
-                          " abcdef012345 |", page)
+        # The fastest of three runs each: of the default the first, the fourth and the seventh.
+        for matcher, before in (("gauss-newton", 0), ("exhaustive", 9)):
+            for device, run in (("cpu, 1 thread: CPU", 1), ("cpu, all threads: CPU", 4), ("vulkan: A GPU (fast, new)", 7)):
+                self.assertIn(f"| office.log | {matcher} | {device} | 350 | {before + run}.250 | 0.500 | 1.500 | 4080 | 466 |"
+                              " 123456789abc | abcdef012345 |", page)
         self.assertFalse((self.work / "out/runs").exists())
 
     def test_another_map_on_the_gpu_fails(self):
         self.gdtslam(map_of_gpu="023456789abcdef0")
         done, page = self.prove("--repeat", "1")
         self.assertEqual(done.returncode, 1)
-        self.assertIn("**FAILED**: office.log.gz: the map or the trajectory is not the same", page)
+        self.assertIn("**FAILED**: office.log.gz, gauss-newton: the map or the trajectory is not the same", page)
         self.assertNotIn("Everything is equal", page)
 
     def test_a_difference_in_verify_fails(self):

@@ -2,20 +2,24 @@
 // in about the same direction, whose normal makes it a line [Censi2008]. Metres and radians.
 //
 // Arithmetic (docs/numerics.md), float32 without contraction, the same bits on every instruction set and device; values
-// are finite, and their products neither infinite nor subnormal. reciprocal() is that of pose_descent.hpp. Point j of
-// those taken is number j * every of the moving scan. A pose puts it at X = (cos px - sin py) + x, Y = (sin px + cos
-// py)
-// + y. At `found` its direction is share = Y * reciprocal(|X| + |Y|), for a sum of 1e-18 and less Y * reciprocal(1);
-// for X < 0 it is 2 - share, if Y < 0 too -2 - share. Its bin is (direction + 2) * 64, held between 0 and 255, rounded
-// down. The candidates are kCandidates lines from kBefore before the first one of that bin, held within the scan. A
-// candidate's key is the bits of its squared distance dx dx + dy dy, the lowest four replaced by its number among the
-// candidates; the least key is the point's line if it is below the bits of gate_m2 and low <= direction <= high. With n
-// the normal of the line and (lx, ly) its place, at `at`: off = nx (X - lx) + ny (Y - ly), jx = cos nx + sin ny, jy =
-// cos ny - sin nx, jt = px jy - py jx. The weight w is the square of reciprocal(1 + (off off) per_kernel_m2), the
-// kernel of Geman and McClure, and 0 unless jx times the x of the point's own normal plus jy times its y is at least
-// least_cosine. The terms are (w jx) jx, (w jx) jy, (w jx) jt, (w jy) jy, (w jy) jt, (w jt) jt, (w off) jx, (w off) jy,
-// (w off) jt, w, (w off) off. Those of point j are added to lane j % kLanes; lane i + k is added to lane i for k =
-// kLanes / 2, ..., 1.
+// are finite, and their products neither infinite nor subnormal. reciprocal() is that of pose_descent.hpp.
+//
+// * Point j of those taken is number j * every of the moving scan. A pose puts it at
+//   X = (cos px - sin py) + x, Y = (sin px + cos py) + y.
+// * At `found` its direction is share = Y * reciprocal(|X| + |Y|), for a sum up to 1e-18 Y * reciprocal(1).
+//   If X < 0 the direction is 2 - share instead, and -2 - share if Y < 0 as well.
+// * Its bin is (direction + 2) * 64, held between 0 and 255, rounded down. The candidates are kCandidates
+//   lines from kBefore before the first one of that bin, held within the scan.
+// * A candidate's key is the bits of its squared distance dx dx + dy dy, the lowest four replaced by its
+//   number among the candidates. The least key is the point's line if it is below the bits of gate_m2 and
+//   low <= direction <= high.
+// * At `at`, with (nx, ny) the normal of the line and (lx, ly) its place:
+//   off = nx (X - lx) + ny (Y - ly), jx = cos nx + sin ny, jy = cos ny - sin nx, jt = px jy - py jx.
+// * The weight w is the square of reciprocal(1 + (off off) per_kernel_m2), the kernel of Geman and McClure.
+//   It is 0 unless jx mx + jy my is at least least_cosine, (mx, my) being the point's own normal.
+// * The terms are (w jx) jx, (w jx) jy, (w jx) jt, (w jy) jy, (w jy) jt, (w jt) jt, (w off) jx, (w off) jy,
+//   (w off) jt, w, (w off) off. Those of point j are added to lane j % kLanes; lane i + k is added to lane i
+//   until one is left, k = kLanes / 2, ..., 1.
 #pragma once
 
 #include <array>
