@@ -79,6 +79,7 @@ struct Mapper::State {
   std::optional<DeviceError> loss;
   std::string loss_text;
   Backend* at_work = nullptr;  // the backend that runs the matcher
+  QueueWork work_before;       // its work before the mapper had it
 
   MotionModel motion;
   Patience patience;
@@ -163,8 +164,10 @@ void Mapper::State::count_work(Backend& backend) {
   if (at_work != nullptr) {
     statistics.dispatches += at_work->dispatch_count();
     statistics.submissions += at_work->submit_count();
+    statistics.device += at_work->work() - work_before;
   }
   at_work = &backend;
+  work_before = backend.work();
   statistics.dispatches -= backend.dispatch_count();
   statistics.submissions -= backend.submit_count();
 }
@@ -322,6 +325,7 @@ MapperStatistics Mapper::statistics() const {
   MapperStatistics statistics = state_->statistics;
   statistics.dispatches += state_->at_work->dispatch_count();
   statistics.submissions += state_->at_work->submit_count();
+  statistics.device += state_->at_work->work() - state_->work_before;
   return statistics;
 }
 

@@ -261,6 +261,7 @@ QueueWork VulkanBackendImpl::work() const {
   work.dispatches = dispatches_;
   work.submissions = engine_->batches.submitted();
   work.waits = engine_->batches.wait_count();
+  work.wait_s = engine_->batches.wait_s();
   work.barriers = engine_->barriers.barrier_count();
   return work;
 }

@@ -119,6 +119,12 @@ def vulkan_gives_the_same_bytes():
             expect(results(report) == results(cpu), f"{matcher}: another result on {device['name']}")
             submissions = report["submissions"]  # none to a CPU, whose kernels count as dispatches
             expect((submissions > 0) == (matcher in ("gauss-newton", "exhaustive")), f"{matcher}: {submissions} submissions")
+            work = report.get("device_work")
+            expect((work is not None) == (submissions > 0), f"{matcher}: {work}")
+            if work:
+                sums = {key: work["mapping"][key] + work["adjusting"][key] for key in work["mapping"]}
+                expect((sums["dispatches"], sums["submissions"]) == (report["dispatches"], submissions), f"{work}")
+                expect(0 < work["adjusting"]["dispatches"] <= 20 and sums["wait_s"] < report["wall_s"], f"{work}")
 
 
 def verify_passes():

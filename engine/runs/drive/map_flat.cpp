@@ -103,7 +103,9 @@ void MapRun::map_flat(const Progress& progress) {
 // Takes poses, keyframes and occupancy map from the path with its loops closed.
 void MapRun::close_loops() {
   if (mapper_->statistics().keyframes == 0) return;
+  const QueueWork mapping = mapper_->statistics().device;
   ClosedPath path = loops_->close(request_.closing, stop_);
+  outcome_.adjusting = mapper_->statistics().device - mapping;
   if (beside_.scans > 0) path = path_of_scans(std::move(path), observed_.all());
   watch_.add_cpu_to(outcome_.loops_cpu_s);
   if (request_.with_map) request_.finishing("the occupancy map");

@@ -218,7 +218,9 @@ void MapRun::map_nodding(const Progress& progress) {
 
 // With loops, poses and points come only now, from the closed path.
 void MapRun::finish_nodding() {
+  const QueueWork mapping = mapper_->statistics().device;
   std::optional<ClosedPath> path = nodding_->mapper->finish(request_.closing, stop_);
+  outcome_.adjusting = mapper_->statistics().device - mapping;
   if (!path) return watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   take_closed(std::move(*path));
   outcome_.interrupted = outcome_.interrupted || stop_();

@@ -180,6 +180,15 @@ std::string write_merged_scans(RunFolder& folder, const std::string& config, con
   return write_keyframes(folder.staged(kKeyframeFile), kept_keyframes(config, request, outcome));
 }
 
+Json work_json(const QueueWork& work) {
+  return {{"dispatches", work.dispatch_sum()},
+          {"submissions", work.submissions},
+          {"waits", work.waits},
+          {"wait_s", work.wait_s},
+          {"bytes_up", work.upload_bytes},
+          {"bytes_down", work.download_bytes}};
+}
+
 Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenHashes& hashes, Json files,
                 const std::vector<StageTime>& others) {
   const MapperStatistics& statistics = outcome.statistics;
@@ -205,6 +214,10 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   report["evaluations"] = statistics.evaluations;
   report["dispatches"] = statistics.dispatches;
   report["submissions"] = statistics.submissions;
+  if (statistics.device.submissions > 0) {
+    report["device_work"] = {{"mapping", work_json(statistics.device - outcome.adjusting)},
+                             {"adjusting", work_json(outcome.adjusting)}};
+  }
   report["path_m"] = statistics.path_m;
   report["log_duration_s"] = outcome.log_duration_s;
   report["wall_s"] = outcome.wall_s;

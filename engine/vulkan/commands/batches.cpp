@@ -111,6 +111,12 @@ void Batches::wait_for(std::uint64_t value) {
     return;
   }
   ++wait_count_;
+  const auto began = std::chrono::steady_clock::now();
+  await(value);
+  wait_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+void Batches::await(std::uint64_t value) {
   if (is_done_soon(value)) return;
   const vk::SemaphoreWaitInfo info = wait_info(*device_.timeline(), value);
   if (device_.handle().waitSemaphores(info, to_nanoseconds(wait_limit_s_ - spin_s_)) == vk::Result::eTimeout) {

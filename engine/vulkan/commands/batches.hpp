@@ -37,6 +37,8 @@ class Batches {
   [[nodiscard]] std::uint64_t submitted() const { return submitted_; }
   /// Number of waits for batches not known to be done.
   [[nodiscard]] std::uint64_t wait_count() const { return wait_count_; }
+  /// Time of these waits.
+  [[nodiscard]] double wait_s() const { return wait_s_; }
   [[nodiscard]] double last_submission_ns() const { return last_ns_; }
 
  private:
@@ -49,6 +51,7 @@ class Batches {
   };
   static Slot make_slot(const Device& device);
   void open();
+  void await(std::uint64_t value);
   [[nodiscard]] bool is_done_soon(std::uint64_t value);
   void note_done(std::uint64_t value);
   void read_stamps(Slot& slot);
@@ -64,6 +67,7 @@ class Batches {
   std::uint64_t submitted_ = 0;
   std::uint64_t done_ = 0;
   std::uint64_t wait_count_ = 0;
+  double wait_s_ = 0.0;
   double last_ns_ = 0.0;
 };
 

@@ -69,9 +69,14 @@ Settings read_settings(const MapOptions& options) {
   return loaded;
 }
 
-// Submissions show that a device did the work; a CPU has none.
-std::string device_work_text(const MapperStatistics& s) {
-  return s.submissions > 0 ? fmt::format("; {} submissions to the device", s.submissions) : std::string();
+// What a device did; the CPU did the rest.
+std::string device_work_text(const MapOutcome& outcome) {
+  const QueueWork& all = outcome.statistics.device;
+  if (all.submissions == 0) return {};
+  return fmt::format("on the device: matching{}{}; {} dispatches, {:.1f} MB up, {:.1f} MB down, {:.2f} s of waiting\n",
+                     outcome.adjusting.submissions > 0 ? ", adjustments" : "", outcome.nodding ? ", cloud" : "",
+                     all.dispatch_sum(), 1e-6 * static_cast<double>(all.upload_bytes),
+                     1e-6 * static_cast<double>(all.download_bytes), all.wait_s);
 }
 
 std::string loops_text(const ClosedPath& closed) {
@@ -88,11 +93,11 @@ std::string summary_text(const MapOutcome& outcome, const std::string& folder, d
   const double rate = waited_s > 0.0 ? static_cast<double>(scans_of(outcome)) / waited_s : 0.0;
   return fmt::format(
       "{}, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
-      "{}{:.2f} s ({:.0f} scans/s, {:.0f} times real time){}\n"
-      "results in {}\n",
+      "{}{:.2f} s ({:.0f} scans/s, {:.0f} times real time)\n"
+      "{}results in {}\n",
       plural(scans_of(outcome), "scan"), s.matched, s.doubtful, s.keyframes, s.path_m,
       outcome.closed ? loops_text(*outcome.closed) : "", waited_s, rate,
-      waited_s > 0.0 ? outcome.log_duration_s / waited_s : 0.0, device_work_text(s), folder);
+      waited_s > 0.0 ? outcome.log_duration_s / waited_s : 0.0, device_work_text(outcome), folder);
 }
 
 std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {

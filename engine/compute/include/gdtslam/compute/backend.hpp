@@ -7,10 +7,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
@@ -70,6 +72,25 @@ struct PendingDownload {
   std::shared_ptr<const void> owner = nullptr;  ///< makes the backend forget it with the last copy
 };
 
+/// Work of a device so far, counted on its queue. The difference of two is the work in between.
+struct QueueWork {
+  std::map<std::string_view, std::uint64_t> dispatches;  ///< by kernel, without empty launches
+  std::uint64_t submissions = 0;
+  std::uint64_t waits = 0;     ///< waits of the host for submissions not known to be done
+  double wait_s = 0.0;         ///< their time
+  std::uint64_t barriers = 0;  ///< needed by the kernels' bindings and the transfers
+  std::uint64_t fills = 0;     ///< includes zeroing of new buffers
+  std::uint64_t uploads = 0;
+  std::uint64_t upload_bytes = 0;
+  std::uint64_t downloads = 0;  ///< copies by the device for the host
+  std::uint64_t download_bytes = 0;
+
+  [[nodiscard]] std::uint64_t dispatch_sum() const;
+};
+/// Difference by member; `before` must be the earlier one.
+QueueWork operator-(const QueueWork& now, const QueueWork& before);
+QueueWork& operator+=(QueueWork& sum, const QueueWork& more);
+
 /// Buffers and kernels on one device, the CPU or a GPU.
 class Backend {
  public:
@@ -109,6 +130,8 @@ class Backend {
   [[nodiscard]] virtual std::uint64_t dispatch_count() const = 0;
   /// Number of submissions so far; a device that works immediately, like the CPU, counts none.
   [[nodiscard]] virtual std::uint64_t submit_count() const = 0;
+  /// What a device did so far; nothing for one that works immediately, like the CPU.
+  [[nodiscard]] virtual QueueWork work() const { return {}; }
   /// Number of downloads that were started, and neither finished nor forgotten.
   [[nodiscard]] virtual std::size_t pending_downloads() const = 0;
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/pose.hpp"
 
 namespace gdtslam {
@@ -82,6 +83,7 @@ struct MapperStatistics {
   std::uint64_t evaluations = 0;
   std::uint64_t dispatches = 0;   ///< kernels run, by the backend at work
   std::uint64_t submissions = 0;  ///< submissions to a device; 0 for a backend that works immediately
+  QueueWork device;               ///< all that devices did for the mapper
   double path_m = 0.0;
   StageTimes stages;
 };

@@ -116,6 +116,7 @@ struct MapOutcome {
   std::vector<LogFinding> findings{};             ///< faults of the logs whose causes are known
   std::optional<OdometryDelay> odometry_delay{};  ///< corrected before the scans were mapped
   ExitCode broken_off = ExitCode::kDone;  ///< reason for the log's early end, if that is no error (warning_of_end)
+  QueueWork adjusting;                    ///< part of the device's work for the closed path
   std::string device_loss;                ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;            ///< between the earliest and the latest stamp
   double wall_s = 0.0;                    ///< time of the whole run with reading, and with writing for a run folder

@@ -78,24 +78,6 @@ struct VulkanOptions {
   std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
 
-/// Work of a device so far, counted on its queue. The difference of two is the work in between.
-struct QueueWork {
-  std::map<std::string_view, std::uint64_t> dispatches;  ///< by kernel, without empty launches
-  std::uint64_t submissions = 0;
-  std::uint64_t waits = 0;     ///< waits of the host for submissions not known to be done
-  std::uint64_t barriers = 0;  ///< needed by the kernels' bindings and the transfers
-  std::uint64_t fills = 0;     ///< includes zeroing of new buffers
-  std::uint64_t uploads = 0;
-  std::uint64_t upload_bytes = 0;
-  std::uint64_t downloads = 0;  ///< copies by the device for the host
-  std::uint64_t download_bytes = 0;
-
-  [[nodiscard]] std::uint64_t dispatch_sum() const;
-};
-/// Difference by member; `before` must be the earlier one.
-QueueWork operator-(const QueueWork& now, const QueueWork& before);
-QueueWork& operator+=(QueueWork& sum, const QueueWork& more);
-
 /// A backend with the counters of a Vulkan device.
 class VulkanBackend : public Backend {
  public:
@@ -103,7 +85,6 @@ class VulkanBackend : public Backend {
   /// Time by the device's own clock between the start and the end of the last finished submission, nanoseconds; 0 if it
   /// is not measured.
   [[nodiscard]] virtual double last_submission_ns() const = 0;
-  [[nodiscard]] virtual QueueWork work() const = 0;
   /// Copies a buffer to another of the same size, queued with the other work. Benchmarks use it as the bandwidth of the
   /// device's memory.
   virtual void copy(const Buffer& source, const Buffer& target) = 0;

@@ -1,4 +1,4 @@
-#include "gdtslam/vulkan/vulkan.hpp"
+#include "gdtslam/compute/backend.hpp"
 
 namespace gdtslam {
 
@@ -14,6 +14,7 @@ QueueWork operator-(const QueueWork& now, const QueueWork& before) {
   std::erase_if(between.dispatches, [](const auto& row) { return row.second == 0; });
   between.submissions -= before.submissions;
   between.waits -= before.waits;
+  between.wait_s -= before.wait_s;
   between.barriers -= before.barriers;
   between.fills -= before.fills;
   between.uploads -= before.uploads;
@@ -27,6 +28,7 @@ QueueWork& operator+=(QueueWork& sum, const QueueWork& more) {
   for (const auto& [kernel, count] : more.dispatches) sum.dispatches[kernel] += count;
   sum.submissions += more.submissions;
   sum.waits += more.waits;
+  sum.wait_s += more.wait_s;
   sum.barriers += more.barriers;
   sum.fills += more.fills;
   sum.uploads += more.uploads;
