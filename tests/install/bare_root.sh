@@ -90,8 +90,9 @@ names = {file.name for file in files}
 assert "devices.json" in names, names
 page = (folder / "report.md").read_text()
 assert "llvmpipe" in page.splitlines()[0], page.splitlines()[0]
-rows = [line for line in page.splitlines() if line.startswith("| office")]
-assert len(rows) == 3 and len({tuple(row.split("|")[-3:-1]) for row in rows}) == 1, rows
+for matcher in ("gauss-newton", "exhaustive"):
+    rows = [line for line in page.splitlines() if line.startswith(f"| office-start.log | {matcher} |")]
+    assert len(rows) == 3 and len({tuple(row.split("|")[-3:-1]) for row in rows}) == 1, rows
 CHECK
 fi
 rm -rf "$root"
