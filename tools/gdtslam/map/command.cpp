@@ -69,7 +69,7 @@ Settings read_settings(const MapOptions& options) {
   return loaded;
 }
 
-// What a device did; the CPU did the rest.
+// The work of a device; the CPU did the rest.
 std::string device_work_text(const MapOutcome& outcome) {
   const QueueWork& all = outcome.statistics.device;
   if (all.submissions == 0) return {};

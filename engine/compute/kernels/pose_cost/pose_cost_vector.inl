@@ -95,7 +95,7 @@ class BlockSteps {
     return terms(lower, upper, load(block.position_x + i), load(block.position_y + i));
   }
 
-  /// Of two pairs of neighbours, or of the left cell of `lower` for the nearest.
+  /// Terms from two pairs of neighbours, or from the left cell of `lower` for the nearest.
   [[nodiscard]] Ints terms(Ints lower, Ints upper, Ints qx, Ints qy) const {
     Ints value = either(lower, blank_);
     value = kBilinear ? between_four(value, either(upper, blank_), qx, qy) : both(value, all(0xFFFF));

@@ -130,7 +130,7 @@ class Backend {
   [[nodiscard]] virtual std::uint64_t dispatch_count() const = 0;
   /// Number of submissions so far; a device that works immediately, like the CPU, counts none.
   [[nodiscard]] virtual std::uint64_t submit_count() const = 0;
-  /// What a device did so far; nothing for one that works immediately, like the CPU.
+  /// Work of the device so far; none for one that works immediately, like the CPU.
   [[nodiscard]] virtual QueueWork work() const { return {}; }
   /// Number of downloads that were started, and neither finished nor forgotten.
   [[nodiscard]] virtual std::size_t pending_downloads() const = 0;
