@@ -9,34 +9,27 @@
 namespace gdtslam {
 namespace {
 
-// Values of scans that move, besides the fixed ones: as many as some thousand scans have.
-constexpr std::size_t kMovingValues = std::size_t{1} << 23U;
+std::size_t value_bytes(std::span<const LineScan> scans) {
+  std::size_t values = 0;
+  for (const LineScan& scan : scans) values += scan.values().size();
+  return values * sizeof(float);
+}
 
 }  // namespace
 
 LinePairs::LinePairs(std::span<const LineScan> fixed, WorkerPool& workers, BatchDevice device)
-    : fixed_(fixed), workers_(&workers), device_(std::move(device)) {
-  if (Backend* const backend = device_.get()) fits_ = fits(*backend);
-}
+    : fixed_(fixed), fixed_bytes_(value_bytes(fixed)), workers_(&workers), device_(std::move(device)) {}
 
-bool LinePairs::fits(Backend& backend) const {
-  std::size_t values = kMovingValues;
-  for (const LineScan& scan : fixed_) values += scan.values().size();
+bool LinePairs::fits(const Backend& backend, std::size_t moving_bytes) const {
   const std::size_t bins = fixed_.size() * PointToLine::kBins * sizeof(std::uint16_t);
-  return std::max(values * sizeof(float), bins) <= backend.device().max_buffer_bytes;
-}
-
-bool LinePairs::has_room(std::span<const LineScan> moving) const {
-  if (moving.data() == fixed_.data()) return true;
-  std::size_t values = 0;
-  for (const LineScan& scan : moving) values += scan.values().size();
-  return values <= kMovingValues;
+  return std::max(fixed_bytes_ + moving_bytes, bins) <= backend.device().max_buffer_bytes;
 }
 
 void LinePairs::build(std::span<const LineScan> moving, const LineGate& gate, std::span<LinePair> pairs) {
-  if (is_on_device() && has_room(moving)) {
+  Backend* const backend = device_.get();
+  if (backend != nullptr && fits(*backend, moving.data() == fixed_.data() ? 0 : value_bytes(moving))) {
     try {
-      return build_on_device(*device_.get(), moving, gate, pairs);
+      return build_on_device(*backend, moving, gate, pairs);
     } catch (const DeviceError& error) {
       for (Buffer* const buffer : {&values_, &bins_, &pairs_, &sums_}) *buffer = {};
       device_.lost(error);
@@ -64,7 +57,8 @@ void LinePairs::build_on_host(std::span<const LineScan> moving, const LineGate& 
   });
 }
 
-void LinePairs::upload_fixed(Backend& backend) {
+// With room for the scans that move behind the fixed ones.
+void LinePairs::upload_fixed(Backend& backend, std::size_t moving_bytes) {
   std::vector<float> values;
   std::vector<std::uint16_t> bins;
   first_value_.clear();
@@ -74,7 +68,8 @@ void LinePairs::upload_fixed(Backend& backend) {
     bins.insert(bins.end(), scan.bins().begin(), scan.bins().end());
   }
   first_value_.push_back(static_cast<std::uint32_t>(values.size()));
-  values_ = backend.allocate((values.size() + kMovingValues) * sizeof(float));
+  values_ = {};
+  reserve_on(backend, values_, std::max<std::size_t>(4, fixed_bytes_ + moving_bytes));
   bins_ = backend.allocate(std::max<std::size_t>(4, bins.size() * sizeof(std::uint16_t)));
   if (!values.empty()) backend.upload(values_, std::as_bytes(std::span(values)));
   if (!bins.empty()) backend.upload(bins_, std::as_bytes(std::span(bins)));
@@ -94,7 +89,8 @@ void LinePairs::upload_moving(Backend& backend, std::span<const LineScan> moving
 void LinePairs::build_on_device(Backend& backend, std::span<const LineScan> moving, const LineGate& gate,
                                 std::span<LinePair> pairs) {
   const bool is_own = moving.data() == fixed_.data();
-  if (!values_.valid()) upload_fixed(backend);
+  const std::size_t moving_bytes = is_own ? 0 : value_bytes(moving);
+  if (values_.bytes() < std::max<std::size_t>(4, fixed_bytes_ + moving_bytes)) upload_fixed(backend, moving_bytes);
   if (!is_own) upload_moving(backend, moving);
   const std::vector<std::uint32_t>& first_of = is_own ? first_value_ : moving_first_;
   std::vector<PointToLine::Pair> rows;

@@ -37,24 +37,22 @@ class LinePairs {
   LinePairs(std::span<const LineScan> fixed, WorkerPool& workers, BatchDevice device);
 
   /// Most pairs of a call that are worth their memory.
-  [[nodiscard]] std::size_t at_once() const { return is_on_device() ? kDevicePairs : kHostPairs; }
+  [[nodiscard]] std::size_t at_once() const { return device_.get() != nullptr ? kDevicePairs : kHostPairs; }
   /// Builds the equations. `moving` may be the fixed scans themselves.
   void build(std::span<const LineScan> moving, const LineGate& gate, std::span<LinePair> pairs);
 
  private:
-  [[nodiscard]] bool is_on_device() const { return device_.get() != nullptr && fits_; }
-  [[nodiscard]] bool fits(Backend& backend) const;
-  [[nodiscard]] bool has_room(std::span<const LineScan> moving) const;
+  [[nodiscard]] bool fits(const Backend& backend, std::size_t moving_bytes) const;
   void build_on_host(std::span<const LineScan> moving, const LineGate& gate, std::span<LinePair> pairs);
   void build_on_device(Backend& backend, std::span<const LineScan> moving, const LineGate& gate,
                        std::span<LinePair> pairs);
-  void upload_fixed(Backend& backend);
+  void upload_fixed(Backend& backend, std::size_t moving_bytes);
   void upload_moving(Backend& backend, std::span<const LineScan> moving);
 
   std::span<const LineScan> fixed_;
+  std::size_t fixed_bytes_;  // values of all fixed scans
   WorkerPool* workers_;
   BatchDevice device_;
-  bool fits_ = true;                        // the scans have room on the device
   std::vector<std::uint32_t> first_value_;  // first value of each fixed scan's block, and the end of the last
   std::vector<std::uint32_t> moving_first_;
   std::vector<float> moving_values_;

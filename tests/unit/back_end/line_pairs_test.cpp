@@ -75,6 +75,19 @@ TEST_F(LinePairsTest, ADeviceBuildsThoseOfTheHostInOneSubmission) {
   EXPECT_EQ(device.submit_count(), 2U);
 }
 
+TEST_F(LinePairsTest, ALargerBatchThanAnyBeforeHasRoomOnTheDevice) {
+  const std::vector<LinePair> by_host = built({}, scans_);
+  std::vector<LineScan> elsewhere(scans_);
+  QueuedBackend device;
+  LinePairs lines(scans_, workers_, on(device));
+  for (const std::vector<LineScan>* moving : {&scans_, &elsewhere}) {
+    std::vector<LinePair> pairs = pairs_;
+    lines.build(*moving, kPairGate, pairs);
+    expect_equal(by_host, pairs);
+  }
+  EXPECT_EQ(device.submit_count(), 2U);
+}
+
 TEST_F(LinePairsTest, WhateverCallOfTheDeviceFailsTheHostGoesOn) {
   const std::vector<LinePair> by_host = built({}, scans_);
   QueuedBackend whole;
@@ -91,7 +104,7 @@ TEST_F(LinePairsTest, WhateverCallOfTheDeviceFailsTheHostGoesOn) {
 TEST_F(LinePairsTest, ADeviceWithoutRoomIsNotAsked) {
   const std::vector<LinePair> by_host = built({}, scans_);
   QueuedBackend device;
-  device.set_max_buffer_bytes(std::size_t{1} << 20U);
+  device.set_max_buffer_bytes(std::size_t{1} << 12U);
   expect_equal(by_host, built(on(device), scans_));
   EXPECT_TRUE(device.calls().empty());
   EXPECT_EQ(losses_, 0);
