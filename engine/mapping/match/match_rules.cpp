@@ -21,6 +21,9 @@ constexpr double kMatchSigma_rad = 0.005;
 // window as a share of the wide gate.
 constexpr double kErrorSigmas = 12.0;
 constexpr float kSampleShare = 0.75F;
+// Factor of the estimated standard deviation of the predicted heading in the prior. The wheels' error of a turn changes
+// slowly: the priors of many scans in a row would all pull the same way, and bend the path.
+constexpr double kTurnSigmas = 5.0;
 constexpr double kWindowSigmas = 4.0;  // half of a window in standard deviations, besides the configured half width
 
 /// A coordinate of a pose for the kernels. Values so small that a device could meet a subnormal number become 0,
@@ -81,7 +84,7 @@ void MatchRules::begin(const Prediction& prediction, std::size_t points) {
                 coordinate(wrap_angle(T.theta_rad))};
   const PriorConfig& p = config_.prior;
   const double sigma_cells = noise().sigma_m / r;
-  const double sigma_rad = noise().sigma_rad;
+  const double sigma_rad = (prediction.noise ? kTurnSigmas : 1.0) * noise().sigma_rad;
   const double weight = p.weight * kFieldOne * static_cast<double>(points);
   prior_ = {.mean_x = predicted_.x,
             .mean_y = predicted_.y,
