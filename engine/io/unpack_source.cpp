@@ -122,8 +122,19 @@ class XzUnpacker final : public Unpacker {
   lzma_stream stream_ = LZMA_STREAM_INIT;
 };
 
-class ZstdUnpacker final : public Unpacker {  // its default limit on the window is 128 MiB
+/// Its default limit on the window is 128 MiB. A recording may have many thousand short chunks, each a stream of its
+/// own: a small context is kept for the next one.
+class ZstdUnpacker final : public Unpacker {
  public:
+  ZstdUnpacker() : stream_(std::exchange(spare(), nullptr)) {
+    if (!stream_) stream_.reset(ZSTD_createDStream());
+    if (!stream_) throw std::bad_alloc();
+  }
+  ~ZstdUnpacker() override {
+    constexpr std::size_t kMostKeptBytes = std::size_t{1} << 20U;
+    const bool is_kept = ZSTD_sizeof_DStream(stream_.get()) <= kMostKeptBytes;
+    if (is_kept && ZSTD_isError(ZSTD_DCtx_reset(stream_.get(), ZSTD_reset_session_only)) == 0U) spare().swap(stream_);
+  }
   UnpackStep run(std::span<char> packed, std::span<char> target) override {
     ZSTD_inBuffer from{packed.data(), packed.size(), 0};
     ZSTD_outBuffer to{target.data(), target.size(), 0};
@@ -132,7 +143,15 @@ class ZstdUnpacker final : public Unpacker {  // its default limit on the window
   }
 
  private:
-  std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream_{ZSTD_createDStream(), &ZSTD_freeDStream};
+  struct Free {
+    void operator()(ZSTD_DStream* stream) const { ZSTD_freeDStream(stream); }
+  };
+  using Stream = std::unique_ptr<ZSTD_DStream, Free>;
+  static Stream& spare() {
+    thread_local Stream stream;
+    return stream;
+  }
+  Stream stream_;
 };
 
 class Lz4Unpacker final : public Unpacker {
