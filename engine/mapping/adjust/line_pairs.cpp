@@ -57,7 +57,7 @@ void LinePairs::build_on_host(std::span<const LineScan> moving, const LineGate& 
   });
 }
 
-// With room for the scans that move behind the fixed ones.
+// Leaves room for the scans that move behind the fixed ones.
 void LinePairs::upload_fixed(Backend& backend, std::size_t moving_bytes) {
   std::vector<float> values;
   std::vector<std::uint16_t> bins;
