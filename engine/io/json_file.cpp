@@ -20,6 +20,7 @@ constexpr std::size_t kMostValues = 2'500'000;
 // Ordered objects search all earlier members for each new one. Our largest, a report, has some forty; 2.5 million
 // values in objects of 256 take a second.
 constexpr std::size_t kMostMembers = 256;
+constexpr std::size_t kMostTextBytes = 1U << 20U;  // our longest, a command line, has at most 128 KiB
 
 // Counts the values that the parser would make, without making them, even in invalid JSON. Returns the exceeded limit,
 // or an empty text.
@@ -29,14 +30,17 @@ std::string find_excess(std::string_view text) {
       members{};  // number of members of the open object at each depth; lists have none
   std::size_t values = 1;
   bool is_quoted = false;
+  std::size_t quote = 0;  // where the last one began
   for (std::size_t k = 0; k < text.size(); ++k) {
     const char c = text[k];
     if (is_quoted) {
+      if (k - quote > kMostTextBytes) return fmt::format("has a text of more than {} bytes", kMostTextBytes);
       k += c == '\\' ? 1U : 0U;
       is_quoted = c != '"';
       continue;
     }
     is_quoted = c == '"';
+    quote = k;
     const bool opens = c == '[' || c == '{';
     depth += opens ? 1 : 0;
     depth -= c == ']' || c == '}' ? 1 : 0;
