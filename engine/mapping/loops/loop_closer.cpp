@@ -187,6 +187,7 @@ void LoopCloser::run(const Progress& progress, WorkerPool& workers) {
   graph_.optimise(true);
   carry_keyframes();
   for (int round = 1; round <= options_.rounds; ++round) go_round(progress, round, workers);
+  finder_.end();
   measured_.correct_wheels(graph_);
   measured_.state_wheel_noise(poses_);
   weigh_sources();

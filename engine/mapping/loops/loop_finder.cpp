@@ -128,6 +128,11 @@ void LoopFinder::leave_out(std::size_t place) {
   references_.erase(place);
 }
 
+void LoopFinder::end() {
+  references_.clear();
+  return_free_memory();
+}
+
 void LoopFinder::forget_bent() {
   std::erase_if(references_, [&](const auto& entry) { return entry.second->group.is_bent(keyframes_.poses); });
 }
@@ -165,7 +170,6 @@ void LoopFinder::forget_prepared(std::size_t place) {
     reference->for_near.map.reset();
     reference->for_wide.map.reset();
   }
-  return_free_memory();
 }
 
 // Drops first the references whose last use is longest ago; the one at `place` stays.

@@ -73,6 +73,8 @@ class LoopFinder {
   void look_at(const PoseGraph& graph, std::size_t first, std::size_t end, WorkerPool& workers, const Take& take_loops);
   /// The keyframes have moved: groups whose keyframes moved relative to each other are made anew.
   void forget_bent();
+  /// Frees the groups; call after the last search.
+  void end();
   [[nodiscard]] const LoopCounts& counts() const { return counts_; }
 
  private:
