@@ -24,6 +24,7 @@ class FieldStrips final : public FieldStore {
   void hold(const GridBoxes& boxes) override;
   void touch(const CellBox& box) override;
   [[nodiscard]] std::uint64_t untaken_cells(const CellBox& box) const override;
+  [[nodiscard]] bool may_know(CellIndex cell) const override;
   [[nodiscard]] std::uint64_t taken_cells() const override;
   [[nodiscard]] std::vector<std::uint16_t> read() const override;
   void write(const CellRows& from) override;
@@ -182,6 +183,10 @@ std::uint64_t FieldStrips::untaken_cells(const CellBox& box) const {
   return cells;
 }
 
+bool FieldStrips::may_know(CellIndex cell) const {
+  return known_[tile_index({floor_to(cell.x, kSide), floor_to(cell.y, kSide)})];
+}
+
 std::uint64_t FieldStrips::taken_cells() const { return taken_ * kStripWidth * kStripWidth; }
 
 std::vector<std::uint16_t> FieldStrips::read() const {
@@ -236,6 +241,7 @@ class FieldRows final : public FieldStore {
   void hold(const GridBoxes& boxes) override;
   void touch(const CellBox& /*box*/) override {}
   [[nodiscard]] std::uint64_t untaken_cells(const CellBox& /*box*/) const override { return 0; }
+  [[nodiscard]] bool may_know(CellIndex /*cell*/) const override { return true; }
   [[nodiscard]] std::uint64_t taken_cells() const override;
   [[nodiscard]] std::vector<std::uint16_t> read() const override;
   void write(const CellRows& from) override;
@@ -354,11 +360,12 @@ void FieldStore::read_row(CellIndex first, std::span<std::uint16_t> all, std::ui
   auto x = static_cast<std::size_t>(d.dx);
   for (std::size_t i = 0; i < cells.size();) {
     const std::size_t count = std::min(kStripWidth - x % kStripWidth, cells.size() - i);
-    const auto piece = memory_.subspan(layout_.place(x, static_cast<std::size_t>(d.dy)), count);
-    std::transform(piece.begin(), piece.end(), cells.begin() + static_cast<std::ptrdiff_t>(i),
+    const std::size_t first_of_piece = std::exchange(i, i + count);
+    const std::size_t column = std::exchange(x, x + count);
+    if (!may_know(part.min + CellOffset{static_cast<std::int32_t>(first_of_piece), 0})) continue;
+    const auto piece = memory_.subspan(layout_.place(column, static_cast<std::size_t>(d.dy)), count);
+    std::transform(piece.begin(), piece.end(), cells.begin() + static_cast<std::ptrdiff_t>(first_of_piece),
                    [blank = layout_.blank](std::uint16_t cell) { return static_cast<std::uint16_t>(cell ^ blank); });
-    i += count;
-    x += count;
   }
 }
 

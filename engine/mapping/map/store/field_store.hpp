@@ -41,6 +41,8 @@ class FieldStore {
   virtual void touch(const CellBox& box) = 0;
   /// Number of cells for which touch() would take memory.
   [[nodiscard]] virtual std::uint64_t untaken_cells(const CellBox& box) const = 0;
+  /// False if no cell of the row's part within one tile can be known, and its memory is better not read.
+  [[nodiscard]] virtual bool may_know(CellIndex cell) const = 0;
   /// Number of cells in memory.
   [[nodiscard]] virtual std::uint64_t taken_cells() const = 0;
   /// The cells of the box given to hold(), row by row. Throws DeviceError if a device fails.
