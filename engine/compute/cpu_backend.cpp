@@ -20,7 +20,8 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kAlignment = 64;  // a cache line, and the widest vector
-/// Fewer elementary steps than this take less time than waking a thread and waiting for it, which may have lost its core.
+/// Fewer elementary steps than this take less time than waking a thread and waiting for it, which may have lost its
+/// core.
 constexpr std::uint64_t kStepsWorthThreads = 262144;
 
 std::size_t physical_memory_bytes() {

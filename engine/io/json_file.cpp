@@ -20,7 +20,7 @@ constexpr std::size_t kMostValues = 2'500'000;
 // Ordered objects search all earlier members for each new one. Our largest, a report, has some forty; 2.5 million
 // values in objects of 256 take a second.
 constexpr std::size_t kMostMembers = 256;
-constexpr std::size_t kMostTextBytes = 1U << 20U;  // our longest, a command line, has at most 128 KiB
+constexpr std::size_t kMostQuotedBytes = 1U << 20U;  // our longest, a command line, has at most 128 KiB
 
 // Counts the values that the parser would make, without making them, even in invalid JSON. Returns the exceeded limit,
 // or an empty text.
@@ -34,7 +34,7 @@ std::string find_excess(std::string_view text) {
   for (std::size_t k = 0; k < text.size(); ++k) {
     const char c = text[k];
     if (is_quoted) {
-      if (k - quote > kMostTextBytes) return fmt::format("has a text of more than {} bytes", kMostTextBytes);
+      if (k - quote > kMostQuotedBytes) return fmt::format("has a text of more than {} bytes", kMostQuotedBytes);
       k += c == '\\' ? 1U : 0U;
       is_quoted = c != '"';
       continue;
