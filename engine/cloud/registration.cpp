@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -49,14 +50,15 @@ struct Equations {
   Matrix6 information = Matrix6::Zero();
   Tangent3 right = Tangent3::Zero();
   double sum_squares = 0.0;
+  double weight = 0.0;
   std::uint32_t pairs = 0;
-  [[nodiscard]] double rms_m() const { return pairs > 0 ? std::sqrt(sum_squares / pairs) : 0.0; }
+  [[nodiscard]] double rms_m() const { return pairs > 0 ? std::sqrt(sum_squares / weight) : 0.0; }
 };
 
 // Residual n . (T p - q); a motion exp(v) on the left of T changes it by n . (v_t + v_r x (T p)). Centred, so that
 // rotation and translation are separated as well as the points allow.
 Equations equations_at(const Pose3& T, const std::vector<Point3>& source, Target& target, const Point3& centre,
-                       double within_m) {
+                       double within_m, double robust_m) {
   Equations sums;
   for (const Point3& p : source) {
     const Point3 moved = T * p;
@@ -67,9 +69,12 @@ Equations equations_at(const Pose3& T, const std::vector<Point3>& source, Target
     const double residual = normal->dot(moved - target.point(*k));
     Tangent3 row;
     row << *normal, (moved - centre).cross(*normal);
-    sums.information += row * row.transpose();
-    sums.right -= row * residual;
-    sums.sum_squares += residual * residual;
+    const double share = robust_m > 0.0 ? 1.0 / (1.0 + residual * residual / (robust_m * robust_m)) : 1.0;
+    const double weight = share * share;
+    sums.information += weight * row * row.transpose();
+    sums.right -= weight * row * residual;
+    sums.sum_squares += weight * residual * residual;
+    sums.weight += weight;
     ++sums.pairs;
   }
   return sums;
@@ -98,12 +103,22 @@ double cloud_radius(const std::vector<Point3>& points, const Point3& centre) {
   return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-double weakest_share(const Matrix6& information, double radius_m) {
+void find_weakest(double radius_m, RegistrationResult& result) {
   Tangent3 scale;
   scale << Point3::Ones(), Point3::Constant(1.0 / radius_m);
-  const Matrix6 alike = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(alike, Eigen::EigenvaluesOnly);
-  return std::max(0.0, solver.eigenvalues()[0]) / solver.eigenvalues()[5];
+  const Matrix6 alike = scale.asDiagonal() * result.information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(alike);
+  result.weakest_share = std::max(0.0, solver.eigenvalues()[0]) / solver.eigenvalues()[5];
+  result.weakest = solver.eigenvectors().col(0);
+}
+
+// The least-squares step; in the plane only x, y and yaw move.
+Tangent3 solved(const Equations& sums, bool is_planar) {
+  if (!is_planar) return sums.information.ldlt().solve(sums.right);
+  constexpr std::array<Eigen::Index, 3> kPlane{0, 1, 5};
+  Tangent3 step = Tangent3::Zero();
+  step(kPlane) = Eigen::Matrix3d(sums.information(kPlane, kPlane)).ldlt().solve(Eigen::Vector3d(sums.right(kPlane)));
+  return step;
 }
 
 // Converts a motion about the centre to one about the frame's origin.
@@ -126,19 +141,22 @@ RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span
   if (source.empty() || target.empty()) return result;
   Target map(thinned(target, options.cell_m), options.neighbours);
   const std::vector<Point3> points = spread(thinned(source, options.cell_m), options.max_points);
-  const Point3 centre = centroid(points);
-  const double radius_m = std::max(1.0e-3, cloud_radius(points, centre));
+  const Point3 middle = centroid(points);
+  const double radius_m = std::max(1.0e-3, cloud_radius(points, middle));
+  const Point3 centre = options.start * middle;
+  result.T_target_source = options.start;
+  result.centre = centre;
   double within_m = options.max_distance_m;
   for (; result.iterations < options.max_iterations; ++result.iterations) {
-    const Equations sums = equations_at(result.T_target_source, points, map, centre, within_m);
+    const Equations sums = equations_at(result.T_target_source, points, map, centre, within_m, options.robust_m);
     if (result.iterations == 0) result.rms_before_m = sums.rms_m();
     result.pairs = sums.pairs;
     result.rms_m = sums.rms_m();
     result.information = sums.information;
     if (sums.pairs < kLeastPairs) return result;
-    result.weakest_share = weakest_share(sums.information, radius_m);
+    find_weakest(radius_m, result);
     if (result.converged) return result;
-    const Tangent3 step = sums.information.ldlt().solve(sums.right);
+    const Tangent3 step = solved(sums, options.is_planar);
     if (!step.allFinite()) return result;
     result.T_target_source = about(centre, step) * result.T_target_source;
     const bool is_narrow = within_m <= kLeastDistance * options.max_distance_m;

@@ -221,6 +221,20 @@ def room_scan(x, y, theta, stamp, odometry=None):
     return flaser(room_ranges(*pose), robot, robot, stamp)
 
 
+def write_rooms():
+    """A room of 4 x 3 x 2.5 m as a grid of 5 cm on its six sides, and the same seen by a scanner that stands 30 cm farther
+    along x and looks 10 degrees to the left."""
+    steps = [[-2 + 0.05 * k for k in range(81)], [-1.5 + 0.05 * k for k in range(61)], [-1 + 0.05 * k for k in range(51)]]
+    points = [(x, y, z) for x in steps[0] for y in steps[1] for z in (-1, 1.5)]
+    points += [(x, y, z) for x in steps[0] for y in (-1.5, 1.5) for z in steps[2]]
+    points += [(x, y, z) for x in (-2, 2) for y in steps[1] for z in steps[2]]
+    c, s = math.cos(math.radians(10)), math.sin(math.radians(10))
+    moved = [(c * (x - 0.3) + s * y, -s * (x - 0.3) + c * y, z) for x, y, z in points]
+    for name, cloud in (("room.ply", points), ("room_moved.ply", moved)):
+        header = f"ply\nformat ascii 1.0\nelement vertex {len(cloud)}\n" + "".join(f"property float {a}\n" for a in "xyz")
+        (DATA / name).write_text(header + "end_header\n" + "".join(f"{x:.6f} {y:.6f} {z:.6f}\n" for x, y, z in cloud))
+
+
 def write_data():
     """The small logs and files of the cases, in DATA."""
     fresh_folder("data")
@@ -254,6 +268,7 @@ def write_data():
     places = "3.04 2 1\n3.64 2 1\n-1 -1 0.25\n"
     header = "ply\nformat ascii 1.0\nelement vertex 3\n" + "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
     (DATA / "places.ply").write_text(header + places)
+    write_rooms()
     (DATA / "empty.ply").write_text(header.replace("vertex 3", "vertex 0"))
     (DATA / "good.yaml").write_text("version: 1\nmap:\n  resolution: 10 cm\n")
     (DATA / "unknown_key.yaml").write_text("version: 1\nmerge:\n  treshold: 5 cm\n")

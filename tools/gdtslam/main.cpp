@@ -15,6 +15,7 @@ void add_convert_command(CLI::App& app, CommandContext& context);
 void add_evaluate_command(CLI::App& app, CommandContext& context);
 void add_calibrate_command(CLI::App& app, CommandContext& context);
 void add_linkage_command(CLI::App& app, CommandContext& context);
+void add_register_command(CLI::App& app, CommandContext& context);
 void add_simulate_command(CLI::App& app, CommandContext& context);
 void add_verify_command(CLI::App& app, CommandContext& context);
 void add_config_command(CLI::App& app, CommandContext& context);
@@ -49,6 +50,7 @@ constexpr CommandRow kCommands[] = {
     {"calibrate", kMeasure, nullptr, "GDTSLAM_BUILD_CALIBRATION"},
 #endif
     {"linkage", kMeasure, add_linkage_command},
+    {"register", kMeasure, add_register_command},
 #ifdef GDTSLAM_HAS_SIM
     {"simulate", kResearch, add_simulate_command},
 #else

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
@@ -30,17 +30,8 @@ constexpr const char* kGroup = "Boxes and planes";
 
 // Parses "x,y,z", each with its unit, in the coordinates of the cloud's file.
 Point3 parse_viewpoint(const std::string& text) {
-  std::array<std::string, 3> words;
-  std::size_t count = 0;
-  for (const char c : text + ',') {
-    if (c == ',') {
-      ++count;
-    } else if (count < words.size()) {
-      words[count] += c;
-    }
-  }
-  if (count != words.size())
-    throw UsageError("--viewpoint: '" + text + "' is not X,Y,Z, for example 0,0,30cm, nor none");
+  const std::vector<std::string> words = words_between_commas(text);
+  if (words.size() != 3) throw UsageError("--viewpoint: '" + text + "' is not X,Y,Z, for example 0,0,30cm, nor none");
   Point3 point;
   for (std::size_t k = 0; k < words.size(); ++k) {
     double& length_m = point[static_cast<Eigen::Index>(k)];

@@ -39,6 +39,18 @@ double quantity_of(const std::string& option, const std::string& text, Unit unit
   return *value;
 }
 
+std::vector<std::string> words_between_commas(const std::string& text) {
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    if (c == ',') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
 CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, double& value, Unit unit,
                                  const QuantityBounds& bounds, const std::string& doc) {
   const auto read = [name, &value, unit, bounds](const std::string& text) {

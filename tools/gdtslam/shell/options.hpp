@@ -13,6 +13,8 @@ namespace gdtslam {
 
 /// Parses the text of an option as a quantity. Throws a UsageError that names the option.
 double quantity_of(const std::string& option, const std::string& text, Unit unit);
+/// "1,2,3" as its three words, which may be empty.
+std::vector<std::string> words_between_commas(const std::string& text);
 
 /// Limits of an option, both ends included.
 struct QuantityBounds {

@@ -1,0 +1,187 @@
+#include "cloud_alignment.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "ndt_map.hpp"
+#include "neighbours.hpp"
+#include "registration.hpp"
+#include "to_position.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::array kCells_m{2.0, 1.0, 0.5, 0.25};
+constexpr double kLeastThickness_m = 0.01;
+constexpr double kWideness = 3.0;  // variances of the kernel: with 1, half of the starts a metre off end elsewhere
+constexpr double kLeastWeight = 1.0e-3;
+constexpr int kMostSteps = 30;
+constexpr double kMostStepOfCell = 0.5;
+constexpr double kMostTurn_rad = 0.2;
+constexpr double kStillOfCell = 4.0e-4;
+constexpr double kStillTurn_rad = 2.0e-5;
+constexpr std::size_t kMostMoved = 3000;
+constexpr double kFirstThinning_m = 0.1;
+constexpr double kThinningGrowth = 1.25;
+constexpr double kPlaneThinning_m = 0.03;
+constexpr double kPlaneDistance_m = 0.3;
+constexpr double kRobust_m = 0.01;
+constexpr std::uint32_t kMostPlaneSteps = 100;
+constexpr std::uint32_t kPlanePoints = 8000;
+constexpr double kNear_m = 0.3;
+constexpr std::uint32_t kPlaneNeighbours = 12;
+constexpr double kFlatAround = 0.3;
+constexpr std::size_t kFewestOfACloud = 100;
+
+std::vector<Point3> to_positions(const Cloud& cloud) {
+  std::vector<Point3> points;
+  points.reserve(cloud.size());
+  for (const CloudPoint& point : cloud) points.push_back(to_position(point));
+  return points;
+}
+
+// Means of the smallest cubes that leave no more than that many.
+Cloud thinned_to(std::span<const CloudPoint> cloud, std::size_t most) {
+  Cloud means(cloud.begin(), cloud.end());
+  for (double cube_m = kFirstThinning_m; means.size() > most; cube_m *= kThinningGrowth) {
+    means = means_of_cubes(cloud, cube_m);
+  }
+  return means;
+}
+
+/// Weighted normal equations about the points' centre; rows are x, y, z and turns about a's axes.
+struct NdtEquations {
+  Matrix6 information = Matrix6::Zero();
+  Tangent3 right = Tangent3::Zero();
+};
+
+Point3 mean_point(const std::vector<Point3>& points) {
+  Point3 sum = Point3::Zero();
+  for (const Point3& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+NdtEquations ndt_equations(const Pose3& T, const std::vector<Point3>& points, const Point3& centre, const NdtMap& map) {
+  NdtEquations sums;
+  for (const Point3& point : points) {
+    const Point3 moved = T * point;
+    const Point3 arm = moved - centre;
+    Eigen::Matrix<double, 3, 6> motion;
+    motion << 1.0, 0.0, 0.0, 0.0, arm.z(), -arm.y(),  //
+        0.0, 1.0, 0.0, -arm.z(), 0.0, arm.x(),        //
+        0.0, 0.0, 1.0, arm.y(), -arm.x(), 0.0;
+    map.visit_near(moved, [&](const NdtCell& cell) {
+      const Point3 off = moved - cell.mean;
+      const Point3 pull = cell.information * off;
+      const double weight = std::exp(-0.5 * off.dot(pull) / kWideness);
+      if (weight < kLeastWeight) return;
+      sums.information += weight * motion.transpose() * cell.information * motion;
+      sums.right -= weight * motion.transpose() * pull;
+    });
+  }
+  return sums;
+}
+
+Tangent3 ndt_step(const NdtEquations& sums, bool is_planar, double cell_m) {
+  Matrix6 damped = sums.information;
+  for (int k = 0; k < 6; ++k) damped(k, k) += 1.0e-6 * damped(k, k) + 1.0e-9;
+  Tangent3 step = Tangent3::Zero();
+  if (is_planar) {
+    constexpr std::array<Eigen::Index, 3> kPlane{0, 1, 5};
+    step(kPlane) = Eigen::Matrix3d(damped(kPlane, kPlane)).ldlt().solve(Eigen::Vector3d(sums.right(kPlane)));
+  } else {
+    step = damped.ldlt().solve(sums.right);
+  }
+  const double longest =
+      std::max(step.head<3>().norm() / (kMostStepOfCell * cell_m), step.tail<3>().norm() / kMostTurn_rad);
+  return longest > 1.0 ? Tangent3(step / longest) : step;
+}
+
+// The score of [Magnusson2009] by reweighted least squares, in one size of cubes.
+Pose3 ndt_descent(Pose3 T, const std::vector<Point3>& points, const NdtMap& map, bool is_planar) {
+  const Point3 middle = mean_point(points);
+  for (int k = 0; k < kMostSteps; ++k) {
+    const Point3 centre = T * middle;
+    const Tangent3 step = ndt_step(ndt_equations(T, points, centre, map), is_planar, map.cell_m());
+    if (!step.allFinite()) return T;
+    const Eigen::Quaterniond turn = exp_so3(step.tail<3>());
+    T = {turn * (T.translation_m - centre) + centre + step.head<3>(), (turn * T.rotation).normalized()};
+    if (step.head<3>().norm() < kStillOfCell * map.cell_m() && step.tail<3>().norm() < kStillTurn_rad) return T;
+  }
+  return T;
+}
+
+CloudFit fit_of(const Neighbours& a, const std::vector<Point3>& b, const Pose3& T) {
+  CloudFit fit;
+  std::vector<double> distances;
+  std::size_t near = 0;
+  for (const Point3& point : b) {
+    const Point3 moved = T * point;
+    const std::optional<std::uint32_t> nearest = a.nearest(moved, kNear_m);
+    if (!nearest) continue;
+    ++near;
+    const std::optional<Point3> normal = a.normal(*nearest, kPlaneNeighbours, kFlatAround);
+    if (normal) distances.push_back(std::fabs(normal->dot(moved - a.point(*nearest))));
+  }
+  fit.overlap = static_cast<double>(near) / static_cast<double>(b.size());
+  if (distances.empty()) return fit;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  fit.median_m = *middle;
+  return fit;
+}
+
+// The information is about its centre; the position is that of b's origin.
+Tangent3 sigma_of(const RegistrationResult& found) {
+  const Matrix6 covariance = found.rms_m * found.rms_m * found.information.inverse();
+  const Point3 arm = found.T_target_source.translation_m - found.centre;
+  Matrix6 to_origin = Matrix6::Identity();
+  to_origin.topRightCorner<3, 3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+  return (to_origin * covariance * to_origin.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
+}  // namespace
+
+Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint> b, const AlignmentOptions& options) {
+  if (std::min(a.size(), b.size()) < kFewestOfACloud) {
+    throw InputError("a cloud of fewer than " + std::to_string(kFewestOfACloud) + " points has no pose in another");
+  }
+  const Cloud target = means_of_cubes(a, kPlaneThinning_m);
+  const Cloud moved = thinned_to(b, kMostMoved);
+  const std::vector<Point3> points = to_positions(moved);
+  Alignment found;
+  found.T_a_b = options.T_a_b;
+  if (options.method != AlignmentMethod::kPlane) {
+    for (const double cell_m : kCells_m) {
+      const NdtMap map(a, cell_m, kLeastThickness_m);
+      found.T_a_b = ndt_descent(found.T_a_b, points, map, options.is_planar);
+    }
+  }
+  // Also where only NDT was asked for: its steps tell what the planes hold.
+  RegistrationOptions by_planes;
+  by_planes.max_distance_m = kPlaneDistance_m;
+  by_planes.robust_m = kRobust_m;
+  by_planes.max_iterations = kMostPlaneSteps;
+  by_planes.max_points = kPlanePoints;
+  by_planes.start = found.T_a_b;
+  by_planes.is_planar = options.is_planar;
+  const RegistrationResult planes = register_clouds(means_of_cubes(b, kPlaneThinning_m), target, by_planes);
+  if (options.method != AlignmentMethod::kNdt) found.T_a_b = planes.T_target_source;
+  found.sigma = sigma_of(planes);
+  found.weakest = planes.weakest;
+  found.weakest_share = planes.weakest_share;
+  found.is_settled = planes.converged;
+  const Neighbours neighbours(target);
+  found.before = fit_of(neighbours, points, options.T_a_b);
+  found.after = fit_of(neighbours, points, found.T_a_b);
+  return found;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,11 @@
+# gdtslam register: one line per case, as in cases.cmake.
+gdtslam_cli_test(register.text ARGS register {data}/room.ply {data}/room_moved.ply -o in_room.ply STDOUT "room_moved.ply in .*room.ply: registered\n  position +0.300[0-9] +-?0.000[0-9] +-?0.000[0-9] m .*\n  roll, pitch, yaw +-?0.00[0-9] +-?0.00[0-9] +(9.99|10.00)[0-9] deg.*overlap +100 %")
+gdtslam_cli_test(register.json ARGS register {data}/room.ply {data}/room_moved.ply --dof 3 --json SCHEMA register STDOUT "\"verdict\": \"registered\"")
+gdtslam_cli_test(register.few_points ARGS register {data}/few.ply {data}/few.ply EXIT 65 STDERR "a cloud of fewer than 100 points has no pose in another")
+gdtslam_cli_test(register.one_cloud ARGS register {data}/few.ply EXIT 2 STDERR "moved is required")
+gdtslam_cli_test(register.missing ARGS register nowhere.ply {data}/few.ply EXIT 74 STDERR "nowhere.ply")
+gdtslam_cli_test(register.run_without_cloud ARGS register {run} {data}/few.ply EXIT 65 STDERR "this run has no cloud")
+gdtslam_cli_test(register.method ARGS register {data}/few.ply {data}/few.ply --method icp EXIT 2 STDERR "--method")
+gdtslam_cli_test(register.dof ARGS register {data}/few.ply {data}/few.ply --dof 4 EXIT 2 STDERR "--dof")
+gdtslam_cli_test(register.start ARGS register {data}/few.ply {data}/few.ply --start 1m,2m EXIT 2 STDERR "--start: '1m,2m' is not X,Y,Z,ROLL,PITCH,YAW")
+gdtslam_cli_test(register.output ARGS register {data}/few.ply {data}/few.ply -o out.txt EXIT 2 STDERR "out.txt")
