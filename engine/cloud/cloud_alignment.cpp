@@ -28,8 +28,7 @@ constexpr double kMostTurn_rad = 0.2;
 constexpr double kStillOfCell = 4.0e-4;
 constexpr double kStillTurn_rad = 2.0e-5;
 constexpr std::size_t kMostMoved = 3000;
-constexpr double kFirstThinning_m = 0.1;
-constexpr double kThinningGrowth = 1.25;
+constexpr double kThinning_m = 0.1;
 constexpr double kPlaneThinning_m = 0.03;
 constexpr double kPlaneDistance_m = 0.3;
 constexpr double kRobust_m = 0.01;
@@ -47,13 +46,13 @@ std::vector<Point3> to_positions(const Cloud& cloud) {
   return points;
 }
 
-// Means of the smallest cubes that leave no more than that many.
+// Evenly over the surfaces, and near them: means of small cubes, of which every n-th is taken.
 Cloud thinned_to(std::span<const CloudPoint> cloud, std::size_t most) {
-  Cloud means(cloud.begin(), cloud.end());
-  for (double cube_m = kFirstThinning_m; means.size() > most; cube_m *= kThinningGrowth) {
-    means = means_of_cubes(cloud, cube_m);
-  }
-  return means;
+  const Cloud means = means_of_cubes(cloud, kThinning_m);
+  const std::size_t every = (means.size() + most - 1) / most;
+  Cloud taken;
+  for (std::size_t k = 0; k < means.size(); k += every) taken.push_back(means[k]);
+  return taken;
 }
 
 /// Weighted normal equations about the points' centre; rows are x, y, z and turns about a's axes.
