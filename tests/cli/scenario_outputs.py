@@ -101,6 +101,7 @@ def outputs_that_exist_stay():
         (("localize", RUN, log, "--picture", "a.svg"), "a.svg"), (("localize", RUN, log, "--track", "--table", "a.csv"), "a.csv"),
         (("localize", RUN, log, "--track", "--changes", "a.svg"), "a.csv"), (("evaluate", places, "--planes", "--csv", "a.csv"), "a.csv"),
         (("evaluate", places, "--boxes", "--picture", "a.svg"), "a.svg"), ((*evaluated, "--csv", "a.csv"), "a.csv"),
+        (("register", cli.DATA / "room.ply", cli.DATA / "room_moved.ply", "-o", "a.ply"), "a.ply"),
         (("calibrate", log, "-o", "a.yaml"), "a.yaml"), (("calibrate", log, "-o", "b.yaml", "--picture", "a.svg"), "a.svg"),
         (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.log"), (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.truth.tum"),
         (("verify", "--write-expected", "a.json"), "a.json"), (("render", RUN, "--view", "map", "--size", "64x64", "-o", "a.png"), "a.png"),
