@@ -35,6 +35,11 @@ constexpr double kRobust_m = 0.01;
 constexpr std::uint32_t kMostPlaneSteps = 100;
 constexpr std::uint32_t kPlanePoints = 8000;
 constexpr double kNear_m = 0.3;
+constexpr double kOnPlane_m = 0.05;
+constexpr double kElsewhere_m = 0.5;
+constexpr double kElsewhere_rad = 0.26;
+constexpr int kHeights = 20;
+constexpr double kHeightStep_m = 0.15;
 constexpr std::uint32_t kPlaneNeighbours = 12;
 constexpr double kFlatAround = 0.3;
 constexpr std::size_t kFewestOfACloud = 100;
@@ -67,7 +72,8 @@ Point3 mean_point(const std::vector<Point3>& points) {
   return sum / static_cast<double>(points.size());
 }
 
-NdtEquations ndt_equations(const Pose3& T, const std::vector<Point3>& points, const Point3& centre, const NdtMap& map) {
+NdtEquations ndt_equations(const Pose3& T, const std::vector<Point3>& points, const Point3& centre,
+                           const NdtCells& map) {
   NdtEquations sums;
   for (const Point3& point : points) {
     const Point3 moved = T * point;
@@ -76,7 +82,7 @@ NdtEquations ndt_equations(const Pose3& T, const std::vector<Point3>& points, co
     motion << 1.0, 0.0, 0.0, 0.0, arm.z(), -arm.y(),  //
         0.0, 1.0, 0.0, -arm.z(), 0.0, arm.x(),        //
         0.0, 0.0, 1.0, arm.y(), -arm.x(), 0.0;
-    map.visit_near(moved, [&](const NdtCell& cell) {
+    map.visit_near(moved, [&](const NdtCells::Cell& cell) {
       const Point3 off = moved - cell.mean;
       const Point3 pull = cell.information * off;
       const double weight = std::exp(-0.5 * off.dot(pull) / kWideness);
@@ -104,7 +110,7 @@ Tangent3 ndt_step(const NdtEquations& sums, bool is_planar, double cell_m) {
 }
 
 // The score of [Magnusson2009] by reweighted least squares, in one size of cubes.
-Pose3 ndt_descent(Pose3 T, const std::vector<Point3>& points, const NdtMap& map, bool is_planar) {
+Pose3 ndt_descent(Pose3 T, const std::vector<Point3>& points, const NdtCells& map, bool is_planar) {
   const Point3 middle = mean_point(points);
   for (int k = 0; k < kMostSteps; ++k) {
     const Point3 centre = T * middle;
@@ -117,20 +123,49 @@ Pose3 ndt_descent(Pose3 T, const std::vector<Point3>& points, const NdtMap& map,
   return T;
 }
 
-CloudFit fit_of(const Neighbours& a, const std::vector<Point3>& b, const Pose3& T) {
+double ndt_score(const Pose3& T, const std::vector<Point3>& points, const NdtCells& map) {
+  double score = 0.0;
+  for (const Point3& point : points) {
+    const Point3 moved = T * point;
+    map.visit_near(moved, [&](const NdtCells::Cell& cell) {
+      const Point3 off = moved - cell.mean;
+      score += std::exp(-0.5 * off.dot(cell.information * off) / kWideness);
+    });
+  }
+  return score;
+}
+
+// The start at the height that scores best.
+Pose3 with_height(const Pose3& start, const std::vector<Point3>& points, const NdtCells& map) {
+  Pose3 best = start;
+  double best_score = -1.0;
+  for (int k = -kHeights; k <= kHeights; ++k) {
+    Pose3 T = start;
+    T.translation_m.z() += kHeightStep_m * k;
+    const double score = ndt_score(T, points, map);
+    if (score <= best_score) continue;
+    best_score = score;
+    best = T;
+  }
+  return best;
+}
+
+CloudFit fit_at(const Pose3& T, const std::vector<Point3>& b, const Neighbours& a) {
   CloudFit fit;
   std::vector<double> distances;
-  std::size_t near = 0;
+  std::size_t overlapping = 0;
   for (const Point3& point : b) {
     const Point3 moved = T * point;
     const std::optional<std::uint32_t> nearest = a.nearest(moved, kNear_m);
     if (!nearest) continue;
-    ++near;
+    ++overlapping;
     const std::optional<Point3> normal = a.normal(*nearest, kPlaneNeighbours, kFlatAround);
     if (normal) distances.push_back(std::fabs(normal->dot(moved - a.point(*nearest))));
   }
-  fit.overlap = static_cast<double>(near) / static_cast<double>(b.size());
+  fit.overlap = static_cast<double>(overlapping) / static_cast<double>(b.size());
   if (distances.empty()) return fit;
+  const auto on_planes = std::count_if(distances.begin(), distances.end(), [](double d) { return d < kOnPlane_m; });
+  fit.on_planes = static_cast<double>(on_planes) / static_cast<double>(distances.size());
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   fit.median_m = *middle;
@@ -146,6 +181,40 @@ Tangent3 sigma_of(const RegistrationResult& found) {
   return (to_origin * covariance * to_origin.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
+bool is_elsewhere(const Pose3& a, const Pose3& b) {
+  const Tangent3 off = log_se3(inverse(a) * b);
+  return (a.translation_m - b.translation_m).norm() > kElsewhere_m || off.tail<3>().norm() > kElsewhere_rad;
+}
+
+/// A pose that a start led to.
+struct Ending {
+  Pose3 T_a_b;
+  CloudFit fit;
+};
+
+// From each start down to the finest cubes; the best fit first, after the first start if that is kept.
+std::vector<Ending> find_endings(std::span<const CloudPoint> a, const std::vector<Point3>& points,
+                                 const Neighbours& neighbours, const AlignmentOptions& options) {
+  std::vector<NdtCells> levels;
+  if (options.method != AlignmentMethod::kPlane) {
+    for (const double cell_m : kCells_m) {
+      NdtMap map(cell_m);
+      map.add(a);
+      levels.emplace_back(map, kLeastThickness_m);
+    }
+  }
+  std::vector<Ending> endings;
+  for (const AlignmentStart& start : options.starts) {
+    Pose3 T = start.T_a_b;
+    if (start.is_height_open && !levels.empty()) T = with_height(T, points, levels.at(1));
+    for (const NdtCells& level : levels) T = ndt_descent(T, points, level, options.is_planar);
+    endings.push_back({T, fit_at(T, points, neighbours)});
+  }
+  std::stable_sort(endings.begin() + (options.is_first_kept ? 1 : 0), endings.end(),
+                   [](const Ending& x, const Ending& y) { return x.fit.score() > y.fit.score(); });
+  return endings;
+}
+
 }  // namespace
 
 Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint> b, const AlignmentOptions& options) {
@@ -153,17 +222,19 @@ Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint
     throw InputError("a cloud of fewer than " + std::to_string(kFewestOfACloud) + " points has no pose in another");
   }
   const Cloud target = means_of_cubes(a, kPlaneThinning_m);
-  const Cloud moved = thinned_to(b, kMostMoved);
-  const std::vector<Point3> points = to_positions(moved);
+  const Neighbours neighbours(target);
+  const std::vector<Point3> points = to_positions(thinned_to(b, kMostMoved));
+  const std::vector<Ending> endings = find_endings(a, points, neighbours, options);
   Alignment found;
-  found.T_a_b = options.T_a_b;
-  if (options.method != AlignmentMethod::kPlane) {
-    for (const double cell_m : kCells_m) {
-      const NdtMap map(a, cell_m, kLeastThickness_m);
-      found.T_a_b = ndt_descent(found.T_a_b, points, map, options.is_planar);
-    }
+  found.is_first_kept = options.is_first_kept;
+  found.T_a_b = endings.front().T_a_b;
+  const auto other = std::find_if(endings.begin(), endings.end(),
+                                  [&](const Ending& ending) { return is_elsewhere(ending.T_a_b, found.T_a_b); });
+  if (other != endings.end()) {
+    found.T_a_b_elsewhere = other->T_a_b;
+    found.elsewhere = other->fit;
   }
-  // Also where only NDT was asked for: its steps tell what the planes hold.
+  // The planes are also asked if only NDT is wanted: their equations show what is held.
   RegistrationOptions by_planes;
   by_planes.max_distance_m = kPlaneDistance_m;
   by_planes.robust_m = kRobust_m;
@@ -177,9 +248,8 @@ Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint
   found.weakest = planes.weakest;
   found.weakest_share = planes.weakest_share;
   found.is_settled = planes.converged;
-  const Neighbours neighbours(target);
-  found.before = fit_of(neighbours, points, options.T_a_b);
-  found.after = fit_of(neighbours, points, found.T_a_b);
+  found.before = fit_at(options.starts.front().T_a_b, points, neighbours);
+  found.after = fit_at(found.T_a_b, points, neighbours);
   return found;
 }
 

@@ -1,6 +1,7 @@
 # gdtslam register: one line per case, as in cases.cmake.
 gdtslam_cli_test(register.text ARGS register {data}/room.ply {data}/room_moved.ply -o in_room.ply STDOUT "room_moved.ply in .*room.ply: registered\n  position +0.300[0-9] +-?0.000[0-9] +-?0.000[0-9] m .*\n  roll, pitch, yaw +-?0.00[0-9] +-?0.00[0-9] +(9.99|10.00)[0-9] deg.*overlap +100 %")
 gdtslam_cli_test(register.json ARGS register {data}/room.ply {data}/room_moved.ply --dof 3 --json SCHEMA register STDOUT "\"verdict\": \"registered\"")
+gdtslam_cli_test(register.wrong_start ARGS register {data}/room.ply {data}/room_moved.ply --start 0,0,0,0,0,180deg STDOUT "doubtful: it fits better at 0.30 m, -?0.00 m, -?0.00 m, yaw 10 deg")
 gdtslam_cli_test(register.few_points ARGS register {data}/few.ply {data}/few.ply EXIT 65 STDERR "a cloud of fewer than 100 points has no pose in another")
 gdtslam_cli_test(register.one_cloud ARGS register {data}/few.ply EXIT 2 STDERR "moved is required")
 gdtslam_cli_test(register.missing ARGS register nowhere.ply {data}/few.ply EXIT 74 STDERR "nowhere.ply")

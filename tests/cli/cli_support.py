@@ -222,12 +222,13 @@ def room_scan(x, y, theta, stamp, odometry=None):
 
 
 def write_rooms():
-    """A room of 4 x 3 x 2.5 m as a grid of 5 cm on its six sides, and the same seen by a scanner that stands 30 cm farther
-    along x and looks 10 degrees to the left."""
+    """A room of 4 x 3 x 2.5 m as a grid of 5 cm on its six sides and on a wall that stands in it, and the same seen by a
+    scanner that stands 30 cm farther along x and looks 10 degrees to the left."""
     steps = [[-2 + 0.05 * k for k in range(81)], [-1.5 + 0.05 * k for k in range(61)], [-1 + 0.05 * k for k in range(51)]]
     points = [(x, y, z) for x in steps[0] for y in steps[1] for z in (-1, 1.5)]
     points += [(x, y, z) for x in steps[0] for y in (-1.5, 1.5) for z in steps[2]]
     points += [(x, y, z) for x in (-2, 2) for y in steps[1] for z in steps[2]]
+    points += [(x, 0.5, z) for x in steps[0] if x < -0.8 for z in steps[2]]
     c, s = math.cos(math.radians(10)), math.sin(math.radians(10))
     moved = [(c * (x - 0.3) + s * y, -s * (x - 0.3) + c * y, z) for x, y, z in points]
     for name, cloud in (("room.ply", points), ("room_moved.ply", moved)):

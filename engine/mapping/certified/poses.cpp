@@ -65,7 +65,8 @@ Pose2 CertifiedSearch::to_metres(const CellPose& pose) const {
 
 bool CertifiedSearch::is_allowed(const CellPose& pose) const {
   const Pose2 T = to_metres(pose);
-  return window_.holds(T) && !(options_.excluded && options_.excluded->hold(T));
+  return window_.holds(T) && std::none_of(options_.excluded.begin(), options_.excluded.end(),
+                                          [&](const ExcludedPoses& excluded) { return excluded.hold(T); });
 }
 
 // The same arithmetic as PriorParams.

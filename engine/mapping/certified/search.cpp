@@ -232,9 +232,13 @@ bool CertifiedSearch::matters(const OpenBox& box) const {
   const float off_x = std::fabs(box.centre.x - centre_.x);
   const float off_y = std::fabs(box.centre.y - centre_.y);
   if (off_x - w > half_x_ || off_y - w > half_y_) return false;
-  if (!options_.excluded) return true;
-  // The whole box is excluded if its farthest corner is.
-  const ExcludedPoses& excluded = *options_.excluded;
+  return std::none_of(options_.excluded.begin(), options_.excluded.end(),
+                      [&](const ExcludedPoses& excluded) { return is_within(box, excluded); });
+}
+
+// The whole box is excluded if its farthest corner is.
+bool CertifiedSearch::is_within(const OpenBox& box, const ExcludedPoses& excluded) const {
+  const float w = half_width(box.level);
   const CellPose around = to_cells(excluded.around);
   const double far_x =
       std::fabs(static_cast<double>(box.centre.x) - static_cast<double>(around.x)) + static_cast<double>(w);
@@ -244,7 +248,7 @@ bool CertifiedSearch::matters(const OpenBox& box) const {
   const double turned =
       std::fabs(wrap_angle(static_cast<double>(box.centre.theta) - static_cast<double>(around.theta)));
   const bool near = far_x * far_x + far_y * far_y < limit * limit && limit > 0.0;
-  return !(near && turned + static_cast<double>(half_angle(box.level)) < excluded.within_rad - 1.0e-5);
+  return near && turned + static_cast<double>(half_angle(box.level)) < excluded.within_rad - 1.0e-5;
 }
 
 // Opens the box, with its prior, unless it cannot be better than the proven bound.

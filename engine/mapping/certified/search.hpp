@@ -58,6 +58,7 @@ class CertifiedSearch {
   [[nodiscard]] std::uint32_t least_value(const PoseMinorant::Value& minorant, const OpenBox& box,
                                           const OpenBox& part) const;
   [[nodiscard]] bool matters(const OpenBox& box) const;
+  [[nodiscard]] bool is_within(const OpenBox& box, const ExcludedPoses& excluded) const;
   [[nodiscard]] std::uint32_t least_prior(const OpenBox& box) const;
 
   // Poses.

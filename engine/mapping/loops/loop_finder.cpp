@@ -209,7 +209,7 @@ void LoopFinder::search(Reference& reference, const ScanGroup& query, Found& fou
   const bool is_wide = half_m > kElsewhere_m || window.half_theta_rad > kElsewhere_rad;
   if (!is_wide || !is_possible(found.evidence, options_.limits)) return;
   options.starts = {};
-  options.excluded = ExcludedPoses{result.T_map_base, kElsewhere_m, kElsewhere_rad};
+  options.excluded = {{result.T_map_base, kElsewhere_m, kElsewhere_rad}};
   options.wanted_bound = result.cost + static_cast<std::uint32_t>(kAsGoodChi2 * unit_of_chi2(points.size()));
   options.max_boxes = options_.most_boxes / 5;
   const CertifiedResult second = find_pose(reference.certified_for(found.is_near), points, window, options);

@@ -124,7 +124,7 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   hold_against_places(query, fix);
   if (!fix.is_possible) return fix;
   search.gap_m = 0.0;
-  search.excluded = ExcludedPoses{fix.T_map_keyframe};
+  search.excluded = {{fix.T_map_keyframe}};
   search.wanted_bound = best.cost + static_cast<std::uint32_t>(as_good_m(fix) * unit) + 1;
   const CertifiedResult elsewhere = find_pose(state_->map, points, state_->window, search);
   fix.elsewhere_m = elsewhere.mean_bound_m;
@@ -189,7 +189,7 @@ std::optional<Pose2> SessionMap::find_elsewhere(const Session& query, std::size_
   search.gap_m = options_.gap_m;
   search.max_boxes = options_.most_boxes;
   search.counts_window = false;
-  search.excluded = ExcludedPoses{T_map_keyframe};
+  search.excluded = {{T_map_keyframe}};
   search.wanted_bound =
       static_cast<std::uint32_t>(options_.most_m * 256.0 / options_.resolution_m * static_cast<double>(points.size()));
   const CertifiedResult best = find_pose(state_->map, points, state_->window, search);
@@ -229,7 +229,7 @@ bool SessionMap::fits_elsewhere(const Session& query, const SessionFix& fix, con
   search.gap_m = 0.0;
   search.max_boxes = options_.most_boxes;
   search.counts_window = false;
-  search.excluded = ExcludedPoses{T_map_keyframe};
+  search.excluded = {{T_map_keyframe}};
   search.wanted_bound = static_cast<std::uint32_t>((fix.mean_m + as_good_m(fix)) * unit) + 1;
   const CertifiedResult elsewhere = find_pose(state_->map, points, state_->window, search);
   return elsewhere.stop != CertifiedStop::kNothingAllowed && elsewhere.bound < search.wanted_bound;

@@ -122,7 +122,7 @@ CertifiedResult Localizer::search(std::span<const PointCells> points, PoseWindow
   };
   shift(window.centre, -origin_m);
   for (Pose2& start : options.starts) shift(start, -origin_m);
-  if (options.excluded) shift(options.excluded->around, -origin_m);
+  for (ExcludedPoses& excluded : options.excluded) shift(excluded.around, -origin_m);
   CertifiedResult found = find_pose(*map_, points, window, options);
   shift(found.T_map_base, origin_m);
   return found;
@@ -198,8 +198,8 @@ std::vector<Pose2> Localizer::look_everywhere(std::span<const PointCells> points
 CertifiedOptions Localizer::elsewhere_options(const Pose2& T_map_base, double times_as_far) const {
   CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
-  options.excluded = ExcludedPoses{T_map_base, times_as_far * LocalizeLimits::kElsewhereM,
-                                   times_as_far * LocalizeLimits::kElsewhereRad};
+  options.excluded = {
+      {T_map_base, times_as_far * LocalizeLimits::kElsewhereM, times_as_far * LocalizeLimits::kElsewhereRad}};
   return options;
 }
 

@@ -89,7 +89,7 @@ Problem make_problem(std::uint64_t seed) {
   problem.options.gap_m = 0.01;
   problem.options.max_boxes = 400000;
   if (seed % 4 == 3) problem.options.prior = WindowPrior{.mean = truth, .weight_xy = 3.0F, .weight_theta = 400.0F};
-  if (seed % 4 == 2) problem.options.excluded = ExcludedPoses{.around = truth};
+  if (seed % 4 == 2) problem.options.excluded = {{.around = truth}};
   return problem;
 }
 

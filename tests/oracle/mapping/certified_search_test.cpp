@@ -271,11 +271,16 @@ TEST(Search, TheRunnerUpLiesOutsideWhatIsExcluded) {
     const CertifiedMap map(problem.field.view(), Isa::kBaseline);
     const CertifiedResult best = find_pose(map, problem.points, problem.window);
     CertifiedOptions options;
-    options.excluded = ExcludedPoses{best.T_map_base, 0.3, 0.1};
+    options.excluded = {{best.T_map_base, 0.3, 0.1}};
     const CertifiedResult second = find_pose(map, problem.points, problem.window, options);
-    EXPECT_FALSE(options.excluded->hold(second.T_map_base));
+    EXPECT_FALSE(options.excluded.front().hold(second.T_map_base));
     EXPECT_TRUE(second.certified());
     EXPECT_GE(second.cost + gap_units(problem, 0.005), best.cost);
+    options.excluded.push_back({second.T_map_base, 0.3, 0.1});
+    const CertifiedResult third = find_pose(map, problem.points, problem.window, options);
+    for (const ExcludedPoses& excluded : options.excluded) EXPECT_FALSE(excluded.hold(third.T_map_base));
+    EXPECT_TRUE(third.certified());
+    EXPECT_GE(third.cost + gap_units(problem, 0.005), second.cost);
   }
 }
 
@@ -283,7 +288,7 @@ TEST(Search, AWindowThatIsExcludedHasNoPose) {
   const Problem problem = make_problem(FieldKind::kExact, 131);
   const CertifiedMap map(problem.field.view(), Isa::kBaseline);
   CertifiedOptions options;
-  options.excluded = ExcludedPoses{problem.window.centre, 10.0, 4.0};
+  options.excluded = {{problem.window.centre, 10.0, 4.0}};
   EXPECT_EQ(find_pose(map, problem.points, problem.window, options).stop, CertifiedStop::kNothingAllowed);
 }
 

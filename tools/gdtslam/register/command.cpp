@@ -15,6 +15,7 @@
 #include "engine/core/one_line.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/registration/wall_search.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -30,6 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMostPoints = 200'000'000;
+constexpr std::size_t kMostPlaces = 4;
 constexpr std::array<const char*, 6> kDirections{"x", "y", "z", "roll", "pitch", "yaw"};
 
 struct RegisterCommand {
@@ -90,8 +92,16 @@ AlignmentOptions make_options(const RegisterCommand& command) {
   AlignmentOptions options{.is_planar = command.dof == 3};
   if (command.method == "ndt") options.method = AlignmentMethod::kNdt;
   if (command.method == "plane") options.method = AlignmentMethod::kPlane;
-  if (!command.start.empty()) options.T_a_b = parse_start(command.start);
+  options.is_first_kept = !command.start.empty();
+  if (options.is_first_kept) options.starts = {{parse_start(command.start)}};
   return options;
+}
+
+// Adds the places that the walls of both clouds allow: to begin from, or as rivals of a given start.
+void add_places(const Cloud& fixed, const Cloud& moved, AlignmentOptions& options) {
+  for (const WallPlace& place : find_by_walls(fixed, moved, kMostPlaces)) {
+    options.starts.push_back({embed(place.T_a_b), !options.is_planar});
+  }
 }
 
 const char* weakest_direction(const Alignment& found) {
@@ -100,10 +110,25 @@ const char* weakest_direction(const Alignment& found) {
   return kDirections.at(static_cast<std::size_t>(largest));
 }
 
+// "1.20 m, 0.30 m, 0.00 m, yaw 178 deg"
+std::string describe(const Pose3& T) {
+  const Point3& at = T.translation_m;
+  return fmt::format("{:.2f} m, {:.2f} m, {:.2f} m, yaw {:.0f} deg", at.x(), at.y(), at.z(),
+                     deg_from_rad(roll_pitch_yaw(T).z()));
+}
+
 std::string verdict_of(const Alignment& found) {
   if (found.is_believed()) return "registered";
   if (found.after.overlap < Alignment::kLeastOverlap) {
     return fmt::format("doubtful: only {:.0f} % of its points have a neighbour", 100.0 * found.after.overlap);
+  }
+  if (found.after.on_planes < Alignment::kLeastOnPlanes) {
+    return fmt::format("doubtful: only {:.0f} % of the points where they overlap lie on planes",
+                       100.0 * found.after.on_planes);
+  }
+  if (found.fits_elsewhere()) {
+    return fmt::format("doubtful: it fits {} at {}", found.is_first_kept ? "better" : "about as well",
+                       describe(*found.T_a_b_elsewhere));
   }
   if (found.weakest_share < Alignment::kLeastShare) {
     return fmt::format("doubtful: nothing holds {}", weakest_direction(found));
@@ -124,6 +149,13 @@ std::string as_text(const RegisterCommand& command, const Alignment& found) {
                   deg(turns.y()), deg(turns.z()), deg(found.sigma[3]), deg(found.sigma[4]), deg(found.sigma[5]));
   text += fmt::format("  overlap          {:.0f} % of its points lie within 30 cm ({:.0f} % at the start)\n",
                       100.0 * found.after.overlap, 100.0 * found.before.overlap);
+  text += fmt::format("  on planes        {:.0f} % of them lie within 5 cm of its planes ({:.0f} % at the start)\n",
+                      100.0 * found.after.on_planes, 100.0 * found.before.on_planes);
+  if (found.T_a_b_elsewhere) {
+    text +=
+        fmt::format("  elsewhere        {:.0f} % overlap, {:.0f} % on planes at {}\n", 100.0 * found.elsewhere.overlap,
+                    100.0 * found.elsewhere.on_planes, describe(*found.T_a_b_elsewhere));
+  }
   text += fmt::format("  median distance  {:.1f} mm from the planes ({:.1f} mm at the start)\n",
                       1e3 * found.after.median_m, 1e3 * found.before.median_m);
   text += fmt::format("  held least       {}, {:.2f} of the direction held best\n", weakest_direction(found),
@@ -131,7 +163,19 @@ std::string as_text(const RegisterCommand& command, const Alignment& found) {
   return text;
 }
 
-Json fit_json(const CloudFit& fit) { return {{"overlap", fit.overlap}, {"median_m", fit.median_m}}; }
+Json fit_json(const CloudFit& fit) {
+  return {{"overlap", fit.overlap}, {"on_planes", fit.on_planes}, {"median_m", fit.median_m}};
+}
+
+Json elsewhere_json(const Alignment& found) {
+  if (!found.T_a_b_elsewhere) return {};
+  const Pose3& T = *found.T_a_b_elsewhere;
+  const Point3 turns = roll_pitch_yaw(T);
+  Json json = fit_json(found.elsewhere);
+  json["position_m"] = {T.translation_m.x(), T.translation_m.y(), T.translation_m.z()};
+  json["roll_pitch_yaw_deg"] = {deg_from_rad(turns.x()), deg_from_rad(turns.y()), deg_from_rad(turns.z())};
+  return json;
+}
 
 std::string as_json(const Alignment& found) {
   const Point3 turns = roll_pitch_yaw(found.T_a_b);
@@ -146,6 +190,7 @@ std::string as_json(const Alignment& found) {
   json["sigma_deg"] = {deg_from_rad(found.sigma[3]), deg_from_rad(found.sigma[4]), deg_from_rad(found.sigma[5])};
   json["start"] = fit_json(found.before);
   json["end"] = fit_json(found.after);
+  json["elsewhere"] = elsewhere_json(found);
   json["held_least"] = {{"direction", weakest_direction(found)}, {"share", found.weakest_share}};
   return json_text(json);
 }
@@ -164,7 +209,7 @@ void write_moved(const std::string& path, const Cloud& cloud, const Pose3& T_a_b
 }
 
 int register_pair(const RegisterCommand& command) {
-  const AlignmentOptions options = make_options(command);
+  AlignmentOptions options = make_options(command);
   if (!command.output.empty()) static_cast<void>(find_cloud_format(command.output));
   WrittenFiles written({command.fixed, command.moved}, command.force);
   written.add("--output", command.output);
@@ -175,6 +220,7 @@ int register_pair(const RegisterCommand& command) {
                                           "; subtract the same offset from both");
   }
   remark_origin(fixed.file, fixed.origin_m);
+  add_places(fixed.points, moved.points, options);
   const Alignment found = align_clouds(fixed.points, moved.points, options);
   if (!command.output.empty()) write_moved(command.output, moved.points, found.T_a_b);
   print_result(command.json ? as_json(found) : as_text(command, found));
@@ -210,7 +256,7 @@ void add_register_command(CLI::App& app, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--start", options->start,
-                   "Where the moved cloud lies about, to a metre and 30 degrees [the origins are the same]")
+                   "Where the moved cloud lies about, to a metre and 30 degrees [searched everywhere, by its walls]")
       ->type_name("X,Y,Z,ROLL,PITCH,YAW");
   command
       ->add_option("-o,--output", options->output, "Write the moved cloud in the frame of the fixed one: .ply or .pcd")

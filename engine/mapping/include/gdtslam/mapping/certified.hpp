@@ -123,7 +123,7 @@ struct CertifiedOptions {
   double max_seconds = std::numeric_limits<double>::infinity();
   std::vector<Pose2> starts{};  ///< poses to begin from, such as another matcher's result
   std::optional<WindowPrior> prior{};
-  std::optional<ExcludedPoses> excluded{};
+  std::vector<ExcludedPoses> excluded{};
 };
 
 /// Why a search ended. kBoundReached: the wanted bound is proven, not the gap. kResolution: boxes became so small that
