@@ -111,7 +111,7 @@ void NdtMap::add(std::span<const CloudPoint> points) {
 void NdtMap::add(const NdtPlace& place, const NdtSums& sums) {
   if (!is_within_limit(place)) throw InputError("a cube lies too far from the origin");
   NdtSums& known = sums_[ndt_key(place)];
-  if (sums.count > kMostPoints - known.count) throw InputError("too many points in one cube");
+  if (sums.count > kMostInACube - known.count) throw InputError("too many points in one cube");
   known.add(sums);
   points_ += static_cast<std::uint64_t>(sums.count);
 }

@@ -41,7 +41,7 @@ class NdtMap : public CloudSink {
   /// Cubes lie less than this many from the origin along each axis.
   static constexpr std::int32_t kFarthest = (1 << 20) - 2;
   /// Most points of a cube, so that no sum overflows.
-  static constexpr std::int64_t kMostPoints = std::int64_t{1} << 40U;
+  static constexpr std::int64_t kMostInACube = std::int64_t{1} << 40U;
 
   /// Throws InputError unless the edge is between 1 mm and 1 km.
   explicit NdtMap(double cell_m);
