@@ -12,8 +12,6 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLeastCell_m = 1.0e-3;
-constexpr double kLargestCell_m = 1.0e3;
 constexpr unsigned kPlaceBits = 21;  // three of them in a word; places are below 2^20, with one more beside
 constexpr std::int64_t kPlaceOffset = std::int64_t{1} << (kPlaceBits - 1);
 constexpr double kLeastShare =
@@ -22,19 +20,6 @@ constexpr int kMostOnASide = 1024;  // points of a patch
 
 Point3 cube_centre(const NdtPlace& place, double cell_m) {
   return cell_m * (Point3(place[0], place[1], place[2]) + Point3::Constant(0.5));
-}
-
-bool is_within_limit(const NdtPlace& place) {
-  return std::all_of(place.begin(), place.end(), [](std::int32_t p) { return std::abs(p) < NdtMap::kFarthest; });
-}
-
-NdtPlace place_of_key(std::uint64_t key) {
-  NdtPlace place{};
-  for (std::size_t k = 3; k-- > 0; key >>= kPlaceBits) {
-    const std::uint64_t low = key & ((std::uint64_t{1} << kPlaceBits) - 1);
-    place.at(k) = static_cast<std::int32_t>(static_cast<std::int64_t>(low) - kPlaceOffset);
-  }
-  return place;
 }
 
 NdtSums sums_of_point(const Point3& steps) {
@@ -89,8 +74,21 @@ std::uint64_t ndt_key(const NdtPlace& place) {
   return key;
 }
 
+NdtPlace ndt_place_of_key(std::uint64_t key) {
+  NdtPlace place{};
+  for (std::size_t k = 3; k-- > 0; key >>= kPlaceBits) {
+    const std::uint64_t low = key & ((std::uint64_t{1} << kPlaceBits) - 1);
+    place.at(k) = static_cast<std::int32_t>(static_cast<std::int64_t>(low) - kPlaceOffset);
+  }
+  return place;
+}
+
+bool NdtMap::is_within_limit(const NdtPlace& place) {
+  return std::all_of(place.begin(), place.end(), [](std::int32_t p) { return std::abs(p) < kFarthest; });
+}
+
 NdtMap::NdtMap(double cell_m) : cell_m_(cell_m) {
-  if (!(cell_m >= kLeastCell_m && cell_m <= kLargestCell_m)) {
+  if (!is_edge(cell_m)) {
     throw InputError("the cubes of normal distributions have an edge of 1 mm to 1 km, not " + std::to_string(cell_m) +
                      " m");
   }
@@ -118,14 +116,14 @@ void NdtMap::add(const NdtPlace& place, const NdtSums& sums) {
 
 void NdtMap::merge(const NdtMap& other) {
   if (other.cell_m_ != cell_m_) throw InputError("normal distributions of cubes of different edges do not merge");
-  for (const auto& [key, sums] : other.sums_) add(place_of_key(key), sums);
+  for (const auto& [key, sums] : other.sums_) add(ndt_place_of_key(key), sums);
   left_out_ += other.left_out_;
 }
 
 std::vector<std::pair<NdtPlace, NdtSums>> NdtMap::cubes() const {
   std::vector<std::pair<NdtPlace, NdtSums>> cubes;
   cubes.reserve(sums_.size());
-  for (const auto& [key, sums] : sums_) cubes.emplace_back(place_of_key(key), sums);
+  for (const auto& [key, sums] : sums_) cubes.emplace_back(ndt_place_of_key(key), sums);
   std::sort(cubes.begin(), cubes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   return cubes;
 }
@@ -157,6 +155,20 @@ Cloud sample_cloud(const NdtMap& map, double spacing_m) {
   Cloud cloud;
   for (const auto& [place, sums] : map.cubes()) add_patch(map.moments(place, sums), spacing_m, cloud);
   return cloud;
+}
+
+double plane_deviation_m(const NdtMap& map) {
+  double sum_squares = 0.0;
+  double points = 0.0;
+  for (const auto& [place, sums] : map.cubes()) {
+    if (sums.count < NdtCells::kFewestPoints) continue;
+    const NdtMoments moments = map.moments(place, sums);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments.covariance, Eigen::EigenvaluesOnly);
+    const auto count = static_cast<double>(sums.count);
+    sum_squares += count * std::max(0.0, solver.eigenvalues()[0]);
+    points += count;
+  }
+  return points > 0.0 ? std::sqrt(sum_squares / points) : 0.0;
 }
 
 NdtCells::NdtCells(const NdtMap& map, double noise_m) : cell_m_(map.cell_m()) {

@@ -34,7 +34,7 @@ struct NdtMoments {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-class NdtMap : public CloudSink {
+class NdtMap {
  public:
   /// Steps in the edge of a cube.
   static constexpr double kStepsOfACube = 1024.0;
@@ -43,11 +43,15 @@ class NdtMap : public CloudSink {
   /// Most points of a cube, so that no sum overflows.
   static constexpr std::int64_t kMostInACube = std::int64_t{1} << 40U;
 
-  /// Throws InputError unless the edge is between 1 mm and 1 km.
+  /// True between 1 mm and 1 km.
+  static bool is_edge(double cell_m) { return cell_m >= 1.0e-3 && cell_m <= 1.0e3; }
+  /// True for less than kFarthest on either side of the origin.
+  static bool is_within_limit(const NdtPlace& place);
+  /// Throws InputError unless is_edge().
   explicit NdtMap(double cell_m);
 
   /// Points that are not finite, or farther than kFarthest cubes, are left out and counted.
-  void add(std::span<const CloudPoint> points) override;
+  void add(std::span<const CloudPoint> points);
   /// Adds the sums of a cube. Throws InputError beyond the limits above.
   void add(const NdtPlace& place, const NdtSums& sums);
   /// Throws InputError if the edges of the cubes differ.
@@ -75,6 +79,11 @@ class NdtMap : public CloudSink {
 NdtPlace ndt_place(const Point3& point, double cell_m);
 /// A number for each place within the limit, in the places' order.
 std::uint64_t ndt_key(const NdtPlace& place);
+NdtPlace ndt_place_of_key(std::uint64_t key);
+
+/// How much the points of cubes of at least NdtCells::kFewestPoints points deviate from their cubes' planes, root mean
+/// square: what a cloud sampled from the cubes lacks at least.
+double plane_deviation_m(const NdtMap& map);
 
 /// Points on the flat patch of each cube, about `spacing_m` apart, as many as its two largest deviations need; the mean
 /// of a cube of one point. Sorted by place.

@@ -44,6 +44,12 @@ gdtslam_cli_test(usage.convert_exists ARGS convert {log} -o {truth} --format csv
 gdtslam_cli_test(usage.convert_itself ARGS convert {log} -o {log} --force EXIT 2 STDERR "is what is read. give another file")
 gdtslam_cli_test(convert.csv ARGS convert {log} -o drive.csv STDOUT "^[0-9]+ scans, [0-9]+ odometry, 0 of the crank, [0-9]+ parameters. .* MB in drive.csv")
 gdtslam_cli_test(convert.mcap ARGS convert {log} -o drive.mcap STDOUT "scans" STDERR "the format cannot carry: parameter")
+gdtslam_cli_test(convert.ndt ARGS convert {data}/room.ply -o room.ndt --cell 50cm STDOUT "^[0-9]+ points, [0-9]+ cubes of 0.5 m, [0-9.]+ mm from their planes .rms.. 0.0 MB in room.ndt")
+gdtslam_cli_test(convert.clouds_json ARGS convert {data}/room.ply {data}/room_moved.ply -o both.pcd --json SCHEMA convert_clouds STDOUT "\"cubes\": 0")
+gdtslam_cli_test(usage.convert_cloud_to_log ARGS convert {data}/room.ply -o room.log EXIT 2 STDERR "a cloud .* becomes a cloud and a log becomes a log")
+gdtslam_cli_test(usage.convert_log_to_cloud ARGS convert {log} -o room.ply EXIT 2 STDERR "map makes a cloud of a log")
+gdtslam_cli_test(usage.convert_two_logs ARGS convert {log} {log} -o drive.csv EXIT 2 STDERR "one log is converted at a time")
+gdtslam_cli_test(convert.no_ndt ARGS convert {data}/few.ndt -o few.ply EXIT 74 STDERR "few.ndt")
 gdtslam_cli_test(convert.json ARGS convert {log} -o drive.jsonl --json SCHEMA convert STDOUT "\"scans\": [0-9]+")
 
 gdtslam_cli_test(usage.map_mcap_no_map ARGS map {log} -o out --no-map --mcap a.mcap EXIT 2 STDERR "--mcap writes the occupancy map, which --no-map leaves out")

@@ -1,4 +1,4 @@
-// gdtslam convert: a log in another format.
+// gdtslam convert: a log or a cloud in another format.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
@@ -17,6 +18,7 @@
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
+#include "tools/gdtslam/convert/clouds.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
@@ -31,8 +33,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct ConvertOptions {
-  std::string log;
+  std::vector<std::string> inputs;
+  std::string log;  ///< the only input, if it is a log
   std::string output;
+  double cell_m = 0.25;
+  double spacing_m = 0.05;
   std::string format;
   std::string compression;
   RecordingOptions recording;
@@ -168,10 +173,45 @@ int convert(const ConvertOptions& options) {
   return static_cast<int>(ExitCode::kInterrupted);
 }
 
+int convert_cloud(const ConvertOptions& options) {
+  WrittenFiles(options.inputs, options.force).add("--output", options.output);
+  const ConvertedClouds result = convert_clouds(options.inputs, options.output, options.cell_m, options.spacing_m);
+  if (options.json) {
+    print_result(json_text({{"inputs", options.inputs},
+                            {"output", options.output},
+                            {"points", result.points},
+                            {"cubes", result.cubes},
+                            {"cell_m", result.cell_m},
+                            {"deviation_m", result.deviation_m},
+                            {"bytes", result.bytes}}));
+  } else if (!options.quiet) {
+    print_result(fmt::format("{}{}; {:.1f} MB in {}\n", plural(result.points, "point"),
+                             result.cubes == 0
+                                 ? ""
+                                 : fmt::format(", {} of {:g} m, {:.1f} mm from their planes (rms)",
+                                               plural(result.cubes, "cube"), result.cell_m, 1e3 * result.deviation_m),
+                             1e-6 * static_cast<double>(result.bytes), printable(options.output)));
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
+// The inputs are clouds, or one log.
+int convert_inputs(ConvertOptions& options) {
+  const auto clouds =
+      static_cast<std::size_t>(std::count_if(options.inputs.begin(), options.inputs.end(), is_cloud_name));
+  if (clouds == options.inputs.size() && is_cloud_name(options.output)) return convert_cloud(options);
+  if (clouds > 0 || is_cloud_name(options.output)) {
+    throw UsageError("a cloud (.ply, .pcd, .ndt) becomes a cloud and a log becomes a log; map makes a cloud of a log");
+  }
+  if (options.inputs.size() > 1) throw UsageError("one log is converted at a time; give one, or clouds to be joined");
+  options.log = options.inputs.front();
+  return convert(options);
+}
+
 // The reader of standard output may close early, like `head`.
-int convert_for_reader(const ConvertOptions& options) {
+int convert_for_reader(ConvertOptions& options) {
   try {
-    return convert(options);
+    return convert_inputs(options);
   } catch (const NoReaderError&) {
     if (options.output != "-") throw;
     return static_cast<int>(interrupted() ? ExitCode::kInterrupted : ExitCode::kDone);  // Ctrl-C ends both
@@ -182,15 +222,21 @@ int convert_for_reader(const ConvertOptions& options) {
 
 void add_convert_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = add_command(app, "convert", "A log in another format: CARMEN, CSV, JSON lines, MCAP");
-  command->add_option("log", options->log, fmt::format("{} log, plain or packed; - is standard input", kLogFormats))
+  CLI::App* command =
+      add_command(app, "convert", "A log or clouds in another format: CARMEN, CSV, JSON lines, MCAP; PLY, PCD, NDT");
+  command
+      ->add_option(
+          "input", options->inputs,
+          fmt::format("{} log, plain or packed; - is standard input. Or clouds of one frame, which are joined:\n"
+                      ".ply, .pcd, or .ndt, the normal distributions of cubes",
+                      kLogFormats))
       ->required()
-      ->type_name("LOG");
+      ->type_name("INPUT");
   command
       ->add_option(
           "-o,--output", options->output,
           "The log to write. Its ending tells the format: .log or .clf (CARMEN), .csv, .jsonl, .mcap; .gz after "
-          "it packs it; - is standard output")
+          "it packs it; - is standard output. Or the cloud to write: .ply, .pcd, .ndt")
       ->required()
       ->type_name("OUT");
   CLI::Option* const format = command->add_option(
@@ -202,6 +248,10 @@ void add_convert_command(CLI::App& app, CommandContext& context) {
                    "[zstd]")
       ->type_name("NAME");
   offer_words(command->get_option("--compression"), {"none", "lz4", "zstd"});
+  add_quantity_option(*command, "--cell", options->cell_m, Unit::kMetre, {1.0e-3, 1.0e3},
+                      "Edge of the cubes of an .ndt file");
+  add_quantity_option(*command, "--spacing", options->spacing_m, Unit::kMetre, {1.0e-3, 1.0e3},
+                      "Distance of the points that are sampled of an .ndt file");
   command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
   add_recording_options(*command, options->recording);
   add_settings_options(*command, options->settings);
@@ -215,7 +265,8 @@ void add_convert_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam convert intel.clf.gz -o intel.mcap\n"
       "  gdtslam convert drive.bag -o drive.csv.gz --topic /front/scan\n"
-      "  gdtslam convert office.log -o - --format jsonl | head -n 1");
+      "  gdtslam convert office.log -o - --format jsonl | head -n 1\n"
+      "  gdtslam convert office/cloud.ply -o office.ndt --cell 50cm");
   command->callback([options, &context] { context.run = [options] { return convert_for_reader(*options); }; });
 }
 

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "engine/cloud/cloud_alignment.hpp"
+#include "engine/cloud/ndt_map.hpp"
 #include "engine/core/one_line.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/registration/ndt_file.hpp"
 #include "engine/runs/registration/wall_search.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -32,6 +34,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMostPoints = 200'000'000;
 constexpr std::size_t kMostPlaces = 4;
+constexpr double kSampleSpacing_m = 0.05;  // of a cloud of normal distributions
 constexpr std::array<const char*, 6> kDirections{"x", "y", "z", "roll", "pitch", "yaw"};
 
 struct RegisterCommand {
@@ -56,6 +59,7 @@ GivenCloud read_given(const std::string& given) {
   GivenCloud cloud;
   std::optional<RunReader> run;
   std::uint64_t skipped = 0;
+  if (is_ndt_file(given)) return {.file = given, .points = sample_cloud(read_ndt(given), kSampleSpacing_m)};
   cloud.file = given_cloud(given, run);
   const auto read = [&] { return read_cloud(cloud.file, kMostPoints, &skipped, &cloud.origin_m); };
   cloud.points = run ? run->files().unless_changed(read) : read();
@@ -232,7 +236,7 @@ int register_pair(const RegisterCommand& command) {
 void add_register_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<RegisterCommand>();
   CLI::App* command = add_command(app, "register", "Find the pose of a cloud in another one that overlaps it");
-  command->add_option("fixed", options->fixed, "The cloud that stays, PLY or PCD, or a run with a cloud")
+  command->add_option("fixed", options->fixed, "The cloud that stays: PLY, PCD or NDT, or a run with a cloud")
       ->required()
       ->type_name("CLOUD");
   command->add_option("moved", options->moved, "The cloud whose pose in it is looked for, or a run with a cloud")
