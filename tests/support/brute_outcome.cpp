@@ -11,6 +11,7 @@
 #include "brute_bounds.hpp"
 #include "brute_force.hpp"
 #include "brute_lines.hpp"
+#include "brute_ndt.hpp"
 #include "brute_slope.hpp"
 #include "brute_sweep.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
@@ -222,6 +223,15 @@ void lines_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   outcome.contents[3] = bytes_of(sums);
 }
 
+void ndt_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<NdtCost::Params>(kernel_case);
+  const auto map = values_of<std::uint32_t>(outcome.contents[0]);
+  const auto points = values_of<NdtCost::Point>(outcome.contents[1]);
+  const auto poses = values_of<NdtCost::Pose>(outcome.contents[2]);
+  fill<std::uint32_t>(kernel_case, outcome, 3,
+                      [&](std::uint32_t i, std::uint32_t) { return brute_ndt_score(params, map, points, poses[i]); });
+}
+
 void sweep_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const SweepInput input{.params = params_of<SweepPoints::Params>(kernel_case),
                          .beams = values_of<BeamRange>(outcome.contents[0]),
@@ -261,7 +271,8 @@ const std::map<std::string_view, Oracle>& oracles() {
                                                         {"sweep_points", sweep_oracle},
                                                         {"pose_bounds", bounds_oracle},
                                                         {"gdt_stamp", stamp_oracle},
-                                                        {"point_to_line", lines_oracle}};
+                                                        {"point_to_line", lines_oracle},
+                                                        {"ndt_cost", ndt_oracle}};
   return table;
 }
 

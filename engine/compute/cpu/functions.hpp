@@ -10,6 +10,7 @@
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/ndt_cost/ndt_cost.hpp"
 #include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
@@ -25,8 +26,9 @@ namespace gdtslam {
 template <class... K>
 struct KernelList {};
 /// Every dispatched kernel, in the order of the registry, which walks this list as the cases do.
-using AllKernels = KernelList<SeedScatter, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField, PoseCost,
-                              GdtMerge, FieldGrow, PoseDescent, SweepPoints, PoseBounds, GdtStamp, PointToLine>;
+using AllKernels =
+    KernelList<SeedScatter, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField, PoseCost, GdtMerge,
+               FieldGrow, PoseDescent, SweepPoints, PoseBounds, GdtStamp, PointToLine, NdtCost>;
 
 /// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
 struct CellRange {
@@ -66,6 +68,8 @@ struct IsaFunctions {
                     Slice);
   void (*point_to_line)(const PointToLine::Params&, const float* values, const std::uint16_t* bins,
                         const PointToLine::Pair* pairs, float* sums, Slice);
+  void (*ndt_cost)(const NdtCost::Params&, const std::uint32_t* map, const NdtCost::Point* points,
+                   const NdtCost::Pose* poses, std::uint32_t* scores, Slice);
   // Only on the host:
   void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
                         const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);

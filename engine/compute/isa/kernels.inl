@@ -36,6 +36,7 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #include "engine/compute/kernels/gdt_merge/gdt_merge.inl"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.inl"
 #include "engine/compute/kernels/jump_flood/jump_flood.inl"
+#include "engine/compute/kernels/ndt_cost/ndt_cost.inl"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.inl"
 #include "engine/compute/kernels/pose_bounds/pose_minorant.inl"
 #include "engine/compute/kernels/pose_bounds/pose_minorant_wide.inl"
@@ -63,6 +64,7 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .sweep_points = sweep_points,
     .gdt_stamp = gdt_stamp,
     .point_to_line = point_to_line,
+    .ndt_cost = ndt_cost,
     .pose_minorant = pose_minorant,
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "engine/compute/kernels/ndt_cost/ndt_cost.hpp"
 #include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
@@ -42,6 +43,11 @@ void find_lines_host(Isa isa, const PointToLine::Params& params, const PointToLi
 PointToLine::Sums line_slope_host(Isa isa, const PointToLine::Params& params, const PointToLine::Pose& pose,
                                   const PointToLine::Scan& fixed, const PointToLine::Scan& moving, std::uint32_t every,
                                   std::span<const std::int32_t> found);
+
+/// Scores of poses of a cloud in a map of make_ndt_map(), one score a pose.
+void ndt_cost_host(Isa isa, const NdtCost::Params& params, std::span<const std::uint32_t> map,
+                   std::span<const NdtCost::Point> points, std::span<const NdtCost::Pose> poses,
+                   std::span<std::uint32_t> scores);
 
 /// Sums of `count` tiles of boxes, tile_width * tile_height each.
 void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,

@@ -10,6 +10,7 @@
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/ndt_cost/ndt_cost.hpp"
 #include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
@@ -87,6 +88,8 @@ GroupCount grown_words(const LaunchShape& shape) {
 // 64 points, 6 for the sums, at most 7 for the damping, and its own.
 constexpr std::uint32_t kMostPointTurns = 65537U / PoseDescent::kLanes + 1;
 static_assert(PoseDescent::kMostEvaluations * (kMostPointTurns + 14) + kMostPointTurns < 65535);
+constexpr std::uint32_t kNdtGroup = 64;
+static_assert(NdtCost::kMostPoints / kNdtGroup + 6 < 65535);
 
 // Constants of the shaders appear in the rows as numbers: 0 and 1.
 constexpr std::uint32_t kBilinear = static_cast<std::uint32_t>(Interpolation::kBilinear);
@@ -140,6 +143,7 @@ constexpr ShaderVariant kVariants[] = {
     by_groups(shader::pose_bounds, kGroup, {kWideTiles, 0}, nullptr),
     by_cells(shader::gdt_stamp, stamped_quads),
     by_groups(shader::point_to_line, PointToLine::kLanes, {0, 0}, nullptr),
+    by_groups(shader::ndt_cost, kNdtGroup, {0, 0}, nullptr),
 };
 
 }  // namespace

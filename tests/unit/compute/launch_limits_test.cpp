@@ -13,6 +13,7 @@
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/ndt_cost/ndt_cost.hpp"
 #include "engine/compute/kernels/point_to_line/point_to_line.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
@@ -165,6 +166,40 @@ TEST(LaunchLimits, OfPointsOnLines) {
   EXPECT_EQ(fault_of<PointToLine>(P{}, {kAmple, kAmple, 136, 88}, {2, 1, 1}), "");
   EXPECT_NE(fault_of<PointToLine>(P{}, {kAmple, kAmple, 135, 88}, {2, 1, 1}), "");
   EXPECT_NE(fault_of<PointToLine>(P{}, {kAmple, kAmple, 136, 87}, {2, 1, 1}), "");
+}
+
+// A map of 256 words for the table, 12 for each of 7 distributions and one for each of 30 cubes: 370 words.
+TEST(LaunchLimits, OfNormalDistributions) {
+  using P = NdtCost::Params;
+  const P good{.point_count = 5, .size_x = 2, .size_y = 3, .size_z = 5, .distribution_count = 7};
+  expect_exact<NdtCost>(good, {1480, 60, 96, 8}, {2, 1, 1});
+  expect_exact<NdtCost>(good, {1480, 60, 48U << 20U, 4U << 20U}, {1U << 20U, 1, 1});
+  EXPECT_THAT(fault_of<NdtCost>(good, {kAmple, kAmple, kAmple, kAmple}, {(1U << 20U) + 1, 1, 1}), HasSubstr("poses"));
+  expect_limits<NdtCost>(good,
+                         [](const P&) {
+                           return Extent{2, 1, 1};
+                         },
+                         {{[](P& p) { p.point_count = 1U << 20U; }, ""},
+                          {[](P& p) { p.point_count = (1U << 20U) + 1; }, "points"},
+                          {[](P& p) { p.size_x = 1U << 16U; }, ""},
+                          {[](P& p) { p.size_x = (1U << 16U) + 1; }, "65,536"},
+                          {[](P& p) { p.size_y = (1U << 16U) + 1; }, "65,536"},
+                          {[](P& p) { p.size_z = (1U << 16U) + 1, p.size_x = 0; }, "65,536"},
+                          {[](P& p) { p.size_x = p.size_y = 1U << 12U, p.size_z = 16; }, ""},
+                          {[](P& p) { p.size_x = p.size_y = 1U << 12U, p.size_z = 17; }, "2^28"},
+                          {[](P& p) { p.distribution_count = 1U << 24U; }, ""},
+                          {[](P& p) { p.distribution_count = (1U << 24U) + 1; }, "2^24"},
+                          {[](P& p) { p.origin_x_m = kNaN; }, "not finite"},
+                          {[](P& p) { p.origin_y_m = kNaN; }, "not finite"},
+                          {[](P& p) { p.origin_z_m = -std::numeric_limits<float>::infinity(); }, "not finite"},
+                          {[](P& p) { p.cubes_per_m = 1.0e6F; }, ""},
+                          {[](P& p) { p.cubes_per_m = 1.1e6F; }, "per metre"},
+                          {[](P& p) { p.cubes_per_m = 0.0F; }, "per metre"},
+                          {[](P& p) { p.cubes_per_m = kNaN; }, "per metre"},
+                          {[](P& p) { p.steps_per_unit = 1.0e6F; }, ""},
+                          {[](P& p) { p.steps_per_unit = 1.1e6F; }, "per unit"},
+                          {[](P& p) { p.steps_per_unit = 0.0F; }, "per unit"},
+                          {[](P& p) { p.steps_per_unit = kNaN; }, "per unit"}});
 }
 
 // A grid of 5 x 3 in rows of 8 cells has 2 * 8 + 5 = 21 of them.

@@ -65,7 +65,8 @@ TEST_P(Subnormals, MayBeTakenForZero) {
 }
 
 INSTANTIATE_TEST_SUITE_P(In, Subnormals,
-                         testing::Values("pose_cost", "pose_descent", "sweep_points", "pose_bounds", "point_to_line"),
+                         testing::Values("pose_cost", "pose_descent", "sweep_points", "pose_bounds", "point_to_line",
+                                         "ndt_cost"),
                          [](const auto& kernel) { return std::string(kernel.param); });
 
 }  // namespace
