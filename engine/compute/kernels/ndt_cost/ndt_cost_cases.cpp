@@ -10,11 +10,13 @@
 namespace gdtslam {
 namespace {
 
-/// The points of a case lie anywhere in and around the box, on the borders of its cubes, or at the means. Odd cases
-/// have points and poses that are not finite or far away, too.
-enum class NdtPlace : std::uint8_t { kAnywhere, kBorders, kMeans, kOdd };
-constexpr NdtPlace kNdtPlaces[] = {NdtPlace::kAnywhere, NdtPlace::kBorders, NdtPlace::kMeans, NdtPlace::kOdd};
-constexpr const char* kNdtPlaceNames[] = {"", " borders", " means", " odd"};
+/// The points of a case lie anywhere in and around the box, on the borders of its cubes, at the means, or near them in
+/// thin planes: there large terms of a distance cancel, and a changed rounding of one crosses a step. Odd cases have
+/// points and poses that are not finite or far away, too.
+enum class NdtPlace : std::uint8_t { kAnywhere, kBorders, kMeans, kPlanes, kOdd };
+constexpr NdtPlace kNdtPlaces[] = {NdtPlace::kAnywhere, NdtPlace::kBorders, NdtPlace::kMeans, NdtPlace::kPlanes,
+                                   NdtPlace::kOdd};
+constexpr const char* kNdtPlaceNames[] = {"", " borders", " means", " planes", " odd"};
 
 struct NdtSize {
   std::uint32_t x, y, z;
@@ -68,7 +70,8 @@ NdtCost::Distribution ndt_normal(const NdtCase& drawn, NdtSize cube, Random& ran
   const auto mean = [&](std::uint32_t i) { return static_cast<float>((i + random.uniform()) * drawn.edge_m()); };
   double root[3][3];
   for (auto& row : root) {
-    for (double& value : row) value = random.uniform(-4.0, 4.0) / drawn.edge_m();
+    const double thin = drawn.place == NdtPlace::kPlanes && &row == &root[0] ? 300.0 : 1.0;
+    for (double& value : row) value = thin * random.uniform(-4.0, 4.0) / drawn.edge_m();
   }
   const auto product = [&root](std::size_t i, std::size_t j) {
     return static_cast<float>(root[0][i] * root[0][j] + root[1][i] * root[1][j] + root[2][i] * root[2][j]);
@@ -131,21 +134,30 @@ NdtCost::Pose ndt_pose(const NdtCase& drawn, Random& random) {
   return pose;
 }
 
-/// A pose without a turn, by whole cubes.
-NdtCost::Pose ndt_step_pose(const NdtCase& drawn, Random& random) {
-  NdtCost::Pose pose;
+/// A pose about which those of a case lie: with a turn for thin planes, else without.
+NdtCost::Pose ndt_home(const NdtCase& drawn, Random& random) {
+  if (drawn.place == NdtPlace::kPlanes) return ndt_pose(drawn, random);
+  NdtCost::Pose home;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double step_m = (static_cast<double>(random.below(3)) - 1.0) * drawn.edge_m();
-    pose.translation_m[i] = static_cast<float>(step_m + drawn.origin_m * static_cast<double>(i + 1));
+    home.translation_m[i] = static_cast<float>(drawn.origin_m * static_cast<double>(i + 1));
+  }
+  return home;
+}
+
+/// The home pose, moved by whole cubes or not at all.
+NdtCost::Pose ndt_step_pose(const NdtCase& drawn, NdtCost::Pose pose, Random& random) {
+  if (random.below(2) == 0) return pose;
+  for (float& translation_m : pose.translation_m) {
+    translation_m += static_cast<float>((static_cast<double>(random.below(3)) - 1.0) * drawn.edge_m());
   }
   return pose;
 }
 
-std::vector<NdtCost::Pose> ndt_poses(const NdtCase& drawn, Random& random) {
+std::vector<NdtCost::Pose> ndt_poses(const NdtCase& drawn, const NdtCost::Pose& home, Random& random) {
   std::vector<NdtCost::Pose> poses;
   for (std::uint32_t i = 0; i < drawn.poses; ++i) {
-    const bool is_step = drawn.place == NdtPlace::kBorders || drawn.place == NdtPlace::kMeans || i % 16 == 3;
-    poses.push_back(is_step ? ndt_step_pose(drawn, random) : ndt_pose(drawn, random));
+    const bool is_step = (drawn.place != NdtPlace::kAnywhere && drawn.place != NdtPlace::kOdd) || i % 16 == 3;
+    poses.push_back(is_step ? ndt_step_pose(drawn, home, random) : ndt_pose(drawn, random));
     if (drawn.place != NdtPlace::kOdd) continue;
     if (i % 8 == 1) poses.back().translation_m[i % 3] = std::numeric_limits<float>::quiet_NaN();
     if (i % 8 == 5) poses.back().rotation[i % 9] = std::numeric_limits<float>::infinity();
@@ -163,6 +175,28 @@ NdtCost::Point ndt_border_point(const NdtCase& drawn, Random& random) {
   return {border(drawn.box.x), border(drawn.box.y), border(drawn.box.z)};
 }
 
+/// A point that the home pose puts into a distribution's thin plane, across which the first row of its information is.
+NdtCost::Point ndt_plane_point(const NdtCase& drawn, const NdtCost::Distribution& normal, const NdtCost::Pose& home,
+                               Random& random) {
+  const auto real = [](float value) { return static_cast<double>(value); };
+  const double mean[3] = {real(normal.mean_x), real(normal.mean_y), real(normal.mean_z)};
+  const double across[3] = {real(normal.xx), real(normal.xy), real(normal.xz)};
+  const double any[3] = {random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)};
+  const double length = std::sqrt(across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
+  const double share = random.uniform(0.0, 0.5) * drawn.edge_m() / length;
+  double point[3] = {};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const std::size_t k = (i + 2) % 3;
+    const double along = share * (across[j] * any[k] - across[k] * any[j]);
+    const double shift = real(home.translation_m[i]) - drawn.origin_m * static_cast<double>(i + 1);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      point[axis] += real(home.rotation[3 * i + axis]) * (mean[i] + along - shift);
+    }
+  }
+  return {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])};
+}
+
 NdtCost::Point ndt_odd_point(std::uint32_t number) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -173,11 +207,14 @@ NdtCost::Point ndt_odd_point(std::uint32_t number) {
   return kOdd[number % std::size(kOdd)];
 }
 
-NdtCost::Point ndt_point(const NdtCase& drawn, const NdtScene& scene, std::uint32_t number, Random& random) {
+NdtCost::Point ndt_point(const NdtCase& drawn, const NdtScene& scene, const NdtCost::Pose& home, std::uint32_t number,
+                         Random& random) {
   if (drawn.place == NdtPlace::kOdd && number % 2 == 1) return ndt_odd_point(number / 2);
   if (drawn.place == NdtPlace::kBorders) return ndt_border_point(drawn, random);
-  if (drawn.place == NdtPlace::kMeans && !scene.normals.empty()) {
+  const bool is_by_normal = drawn.place == NdtPlace::kMeans || drawn.place == NdtPlace::kPlanes;
+  if (is_by_normal && !scene.normals.empty()) {
     const NdtCost::Distribution& normal = scene.normals[number % scene.normals.size()];
+    if (drawn.place == NdtPlace::kPlanes) return ndt_plane_point(drawn, normal, home, random);
     return {normal.mean_x, normal.mean_y, normal.mean_z};
   }
   const auto place = [&](std::uint32_t side) { return draw_real(random, 0.6 * side * drawn.edge_m()); };
@@ -188,8 +225,9 @@ KernelCase NdtCase::make(const std::string& named) const {
   Random random(seed_from(named));
   const auto table = ndt_table(has_any_table, random);
   const NdtScene scene = ndt_scene(*this, random);
+  const NdtCost::Pose home = ndt_home(*this, random);
   std::vector<NdtCost::Point> cloud;
-  for (std::uint32_t i = 0; i < points; ++i) cloud.push_back(ndt_point(*this, scene, i, random));
+  for (std::uint32_t i = 0; i < points; ++i) cloud.push_back(ndt_point(*this, scene, home, i, random));
   const NdtCost::Params params{.point_count = points,
                                .size_x = box.x,
                                .size_y = box.y,
@@ -202,7 +240,7 @@ KernelCase NdtCase::make(const std::string& named) const {
                                .steps_per_unit = steps_per_unit};
   return make_case<NdtCost>(named, params, {poses, 1, 1},
                             {list_buffer(make_ndt_map(table, scene.normals, scene.cubes)), words_buffer(cloud),
-                             words_buffer(ndt_poses(*this, random)), noise_buffer(poses, random)});
+                             words_buffer(ndt_poses(*this, home, random)), noise_buffer(poses, random)});
 }
 
 // Numbers of points and poses around lanes, blocks and groups; boxes that are empty, one wide, prime, long and thin.
@@ -247,6 +285,7 @@ void add_ndt_scales(std::vector<KernelCaseSource>& list) {
     drawn.has_any_table = drawn.is_round = true;
     add_case(list, drawn, ", steps " + std::to_string(steps));
   }
+  add_case(list, NdtCase{{3, 4, 2}, 2999, 41, NdtPlace::kPlanes, 1.0});  // many chances of a changed rounding to show
   for (const double share : {0.0, 0.05, 1.0}) {
     NdtCase drawn{{8, 9, 4}, 257, 12, NdtPlace::kAnywhere, share};
     drawn.has_any_table = true;
