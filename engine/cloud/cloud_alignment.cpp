@@ -11,6 +11,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "ndt_map.hpp"
+#include "ndt_scorer.hpp"
 #include "neighbours.hpp"
 #include "registration.hpp"
 #include "to_position.hpp"
@@ -20,7 +21,6 @@ namespace {
 
 constexpr std::array kCells_m{2.0, 1.0, 0.5, 0.25};
 constexpr double kLeastThickness_m = 0.01;
-constexpr double kWideness = 3.0;  // variances of the kernel: with 1, half of the starts a metre off end elsewhere
 constexpr double kLeastWeight = 1.0e-3;
 constexpr int kMostSteps = 30;
 constexpr double kMostStepOfCell = 0.5;
@@ -38,6 +38,7 @@ constexpr double kNear_m = 0.3;
 constexpr double kOnPlane_m = 0.05;
 constexpr double kElsewhere_m = 0.5;
 constexpr double kElsewhere_rad = 0.26;
+constexpr double kHeightCell_m = 1.0;
 constexpr int kHeights = 20;
 constexpr double kHeightStep_m = 0.15;
 constexpr std::uint32_t kPlaneNeighbours = 12;
@@ -85,7 +86,7 @@ NdtEquations ndt_equations(const Pose3& T, const std::vector<Point3>& points, co
     map.visit_near(moved, [&](const NdtCells::Cell& cell) {
       const Point3 off = moved - cell.mean;
       const Point3 pull = cell.information * off;
-      const double weight = std::exp(-0.5 * off.dot(pull) / kWideness);
+      const double weight = std::exp(-0.5 * off.dot(pull) / NdtCells::kWideness);
       if (weight < kLeastWeight) return;
       sums.information += weight * motion.transpose() * cell.information * motion;
       sums.right -= weight * motion.transpose() * pull;
@@ -123,31 +124,22 @@ Pose3 ndt_descent(Pose3 T, const std::vector<Point3>& points, const NdtCells& ma
   return T;
 }
 
-double ndt_score(const Pose3& T, const std::vector<Point3>& points, const NdtCells& map) {
-  double score = 0.0;
-  for (const Point3& point : points) {
-    const Point3 moved = T * point;
-    map.visit_near(moved, [&](const NdtCells::Cell& cell) {
-      const Point3 off = moved - cell.mean;
-      score += std::exp(-0.5 * off.dot(cell.information * off) / kWideness);
-    });
+// The starts at the heights that score best.
+void choose_heights(const NdtMap& map, const std::vector<Point3>& points, Backend& backend,
+                    std::vector<AlignmentStart>& starts) {
+  if (std::none_of(starts.begin(), starts.end(), [](const AlignmentStart& start) { return start.is_height_open; }))
+    return;
+  NdtScorer scorer(map, kLeastThickness_m, backend);
+  for (AlignmentStart& start : starts) {
+    if (!start.is_height_open) continue;
+    std::vector<Pose3> poses;
+    for (int k = -kHeights; k <= kHeights; ++k) {
+      poses.push_back(start.T_a_b);
+      poses.back().translation_m.z() += kHeightStep_m * k;
+    }
+    const std::vector<std::uint32_t> scores = scorer.scores(points, poses);
+    start.T_a_b = poses[static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin())];
   }
-  return score;
-}
-
-// The start at the height that scores best.
-Pose3 with_height(const Pose3& start, const std::vector<Point3>& points, const NdtCells& map) {
-  Pose3 best = start;
-  double best_score = -1.0;
-  for (int k = -kHeights; k <= kHeights; ++k) {
-    Pose3 T = start;
-    T.translation_m.z() += kHeightStep_m * k;
-    const double score = ndt_score(T, points, map);
-    if (score <= best_score) continue;
-    best_score = score;
-    best = T;
-  }
-  return best;
 }
 
 CloudFit fit_at(const Pose3& T, const std::vector<Point3>& b, const Neighbours& a) {
@@ -194,19 +186,19 @@ struct Ending {
 
 // From each start down to the finest cubes; the best fit first, after the first start if that is kept.
 std::vector<Ending> find_endings(std::span<const CloudPoint> a, const std::vector<Point3>& points,
-                                 const Neighbours& neighbours, const AlignmentOptions& options) {
+                                 const Neighbours& neighbours, const AlignmentOptions& options, Backend& backend) {
+  std::vector<AlignmentStart> starts = options.starts;
   std::vector<NdtCells> levels;
-  if (options.method != AlignmentMethod::kPlane) {
-    for (const double cell_m : kCells_m) {
-      NdtMap map(cell_m);
-      map.add(a);
-      levels.emplace_back(map, kLeastThickness_m);
-    }
+  for (const double cell_m : kCells_m) {
+    NdtMap map(cell_m);
+    map.add(a);
+    if (cell_m == kHeightCell_m) choose_heights(map, points, backend, starts);
+    levels.emplace_back(map, kLeastThickness_m);
   }
+  if (options.method == AlignmentMethod::kPlane) levels.clear();
   std::vector<Ending> endings;
-  for (const AlignmentStart& start : options.starts) {
+  for (const AlignmentStart& start : starts) {
     Pose3 T = start.T_a_b;
-    if (start.is_height_open && !levels.empty()) T = with_height(T, points, levels.at(1));
     for (const NdtCells& level : levels) T = ndt_descent(T, points, level, options.is_planar);
     endings.push_back({T, fit_at(T, points, neighbours)});
   }
@@ -217,14 +209,15 @@ std::vector<Ending> find_endings(std::span<const CloudPoint> a, const std::vecto
 
 }  // namespace
 
-Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint> b, const AlignmentOptions& options) {
+Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint> b, const AlignmentOptions& options,
+                       Backend& backend) {
   if (std::min(a.size(), b.size()) < kFewestOfACloud) {
     throw InputError("a cloud of fewer than " + std::to_string(kFewestOfACloud) + " points has no pose in another");
   }
   const Cloud target = means_of_cubes(a, kPlaneThinning_m);
   const Neighbours neighbours(target);
   const std::vector<Point3> points = to_positions(thinned_to(b, kMostMoved));
-  const std::vector<Ending> endings = find_endings(a, points, neighbours, options);
+  const std::vector<Ending> endings = find_endings(a, points, neighbours, options, backend);
   Alignment found;
   found.is_first_kept = options.is_first_kept;
   found.T_a_b = endings.front().T_a_b;

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/pose3.hpp"
 
@@ -73,7 +74,9 @@ struct Alignment {
   }
 };
 
-/// Throws InputError if one of the clouds has fewer than a hundred points.
-Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint> b, const AlignmentOptions& options);
+/// The backend scores heights. Throws InputError if one of the clouds has fewer than a hundred points or fills a box of
+/// more than 2^26 cubes of 1 m, DeviceError.
+Alignment align_clouds(std::span<const CloudPoint> a, std::span<const CloudPoint> b, const AlignmentOptions& options,
+                       Backend& backend);
 
 }  // namespace gdtslam

@@ -95,6 +95,9 @@ class NdtCells {
  public:
   /// Cubes of fewer points have no distribution.
   static constexpr std::int64_t kFewestPoints = 5;
+  /// Variances in the exponent of a point's score, exp(-q / (2 kWideness)) for a squared Mahalanobis distance q. With
+  /// 1, half of the starts that are a metre off end elsewhere.
+  static constexpr double kWideness = 3.0;
   struct Cell {
     Point3 mean = Point3::Zero();
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -106,6 +109,8 @@ class NdtCells {
   [[nodiscard]] double cell_m() const { return cell_m_; }
   /// Number of cubes with a distribution.
   [[nodiscard]] std::size_t size() const { return cells_.size(); }
+  /// By place, as the map's cubes() that have at least kFewestPoints.
+  [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
   /// Calls see(cell) for those of the eight cubes nearest to a point that have a distribution, in a fixed order.
   template <class See>
   void visit_near(const Point3& point, const See& see) const {

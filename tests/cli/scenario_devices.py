@@ -127,6 +127,14 @@ def vulkan_gives_the_same_bytes():
                 expect(0 < work["adjusting"]["dispatches"] <= 20 and sums["wait_s"] < report["wall_s"], f"{work}")
 
 
+def register_on_vulkan():
+    """A device bounds the places of the walls and scores heights: the same numbers."""
+    require_vulkan()
+    found = [command("register", cli.DATA / "room.ply", cli.DATA / "room_moved.ply", "--json", "--device", device).stdout
+             for device in ("cpu", "vulkan")]
+    expect(found[0] == found[1] and '"registered"' in found[0], f"{found}")
+
+
 def verify_passes():
     """The whole verification of the first device: no difference."""
     device = require_vulkan()[0]

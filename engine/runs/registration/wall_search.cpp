@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <numbers>
 #include <optional>
@@ -74,7 +73,8 @@ PoseWindow window_of(const std::vector<Point2>& a) {
 
 }  // namespace
 
-std::vector<WallPlace> find_by_walls(std::span<const CloudPoint> a, std::span<const CloudPoint> b, std::size_t most) {
+std::vector<WallPlace> find_by_walls(std::span<const CloudPoint> a, std::span<const CloudPoint> b, std::size_t most,
+                                     Backend& backend) {
   const std::vector<Point2> a_plan = wall_plan(a);
   std::vector<Point2> b_plan = every_nth(wall_plan(b), kMostSearched);
   std::vector<WallPlace> places;
@@ -83,10 +83,10 @@ std::vector<WallPlace> find_by_walls(std::span<const CloudPoint> a, std::span<co
   for (const Point2& point : b_plan) b_middle += point / static_cast<double>(b_plan.size());
   for (Point2& point : b_plan) point -= b_middle;
 
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   std::mutex mutex;
-  const FieldCopy field = make_distance_field(a_plan, kResolution_m, *cpu, mutex);
-  const CertifiedMap map(field.view(), best_isa());
+  const FieldCopy field = make_distance_field(a_plan, kResolution_m, backend, mutex);
+  Backend* const device = backend.device().kind == "cpu" ? nullptr : &backend;
+  const CertifiedMap map(field.view(), backend.host_isa(), CertifiedMap::kAnyWindows, device);
   const std::vector<PointCells> points = in_cells(b_plan, kResolution_m);
   CertifiedOptions options;
   options.gap_m = kPlaceGap_m;

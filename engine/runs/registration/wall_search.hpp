@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/pose.hpp"
 
@@ -20,7 +21,8 @@ struct WallPlace {
 };
 
 /// At most `most` places, best first, each at least a metre or 20 degrees from those before; none if a cloud has no
-/// walls.
-std::vector<WallPlace> find_by_walls(std::span<const CloudPoint> a, std::span<const CloudPoint> b, std::size_t most);
+/// walls. A device bounds the first boxes. Throws DeviceError.
+std::vector<WallPlace> find_by_walls(std::span<const CloudPoint> a, std::span<const CloudPoint> b, std::size_t most,
+                                     Backend& backend);
 
 }  // namespace gdtslam

@@ -25,7 +25,7 @@ const std::map<std::string, SourceParts, std::less<>>& allowed_parts() {
       {"io", {"core"}},
       {"sim", {"core", "calib"}},
       {"calib", {"core", "cloud"}},
-      {"cloud", {"core"}},
+      {"cloud", {"core", "compute"}},
       {"drawing", {"core", "calib"}},
       {"runs", {"core", "compute", "mapping", "io", "cloud", "calib", "drawing"}},
       {"c", {"core", "compute", "mapping", "io", "drawing", "runs"}},

@@ -28,6 +28,10 @@ Cloud furnished_room(std::uint64_t seed) {
   return cloud;
 }
 
+Alignment aligned(const Cloud& a, const Cloud& b, const AlignmentOptions& options) {
+  return align_clouds(a, b, options, *make_cpu_backend({}));
+}
+
 TEST(NdtMap, HasTheSumsOfTheStepsFromEachCubesCentre) {
   // Steps of 1/1024 of a cube of 1.024 m are millimetres; the cube's centre is at 0.512 m on each axis.
   const Cloud cloud{{.x_m = 0.612F, .y_m = 0.512F, .z_m = 0.212F}, {.x_m = 0.512F, .y_m = 0.712F, .z_m = 0.512F}};
@@ -64,7 +68,7 @@ TEST(AlignClouds, RecoversMotionsOfUpToAMetreAndThirtyDegrees) {
     motion.tail<3>() *= 0.5 / motion.tail<3>().norm();
     const Pose3 middle{{2.5, 2.0, 1.0}, Eigen::Quaterniond::Identity()};  // where a scanner stands
     const Pose3 T_a_b = middle * exp_se3(motion) * inverse(middle);
-    const Alignment found = align_clouds(a, moved(furnished_room(10 + k), inverse(T_a_b)), {});
+    const Alignment found = aligned(a, moved(furnished_room(10 + k), inverse(T_a_b)), {});
     const Tangent3 off = log_se3(inverse(T_a_b) * found.T_a_b);
     EXPECT_LT(off.head<3>().norm(), 0.002) << k;
     EXPECT_LT(off.tail<3>().norm(), 0.001) << k;
@@ -78,7 +82,7 @@ TEST(AlignClouds, RecoversMotionsOfUpToAMetreAndThirtyDegrees) {
 TEST(AlignClouds, InThePlaneOnlyThreeNumbersMove) {
   const Pose3 T_a_b = embed(Pose2{0.5, -0.4, 0.3});
   const Cloud b = moved(furnished_room(4), inverse(T_a_b));
-  const Alignment found = align_clouds(furnished_room(3), b, {.is_planar = true});
+  const Alignment found = aligned(furnished_room(3), b, {.is_planar = true});
   EXPECT_LT((found.T_a_b.translation_m - T_a_b.translation_m).norm(), 0.002);
   EXPECT_EQ(found.T_a_b.translation_m.z(), 0.0);
   EXPECT_EQ(found.T_a_b.rotation.x(), 0.0);
@@ -95,7 +99,7 @@ TEST(AlignClouds, ABareCorridorHoldsNothingAlongItself) {
     strew(a, side, 6'000, 0.005, random);
     strew(b, side, 6'000, 0.005, random);
   }
-  const Alignment found = align_clouds(a, b, {});
+  const Alignment found = aligned(a, b, {});
   EXPECT_FALSE(found.is_believed());
   Eigen::Index largest = 0;
   found.weakest.cwiseAbs().maxCoeff(&largest);
@@ -105,7 +109,7 @@ TEST(AlignClouds, ABareCorridorHoldsNothingAlongItself) {
 TEST(AlignClouds, CloudsOfOtherPlacesAreNotBelieved) {
   Cloud far = furnished_room(7);
   for (CloudPoint& point : far) point.x_m += 100.0F;
-  EXPECT_FALSE(align_clouds(furnished_room(6), far, {}).is_believed());
+  EXPECT_FALSE(aligned(furnished_room(6), far, {}).is_believed());
 }
 
 // A bare room fits as well after half a turn about its middle.
@@ -118,7 +122,7 @@ Cloud bare_room(std::uint64_t seed) {
 const AlignmentStart kHalfTurn{embed(Pose2{5.0, 4.0, 3.14})};
 
 TEST(AlignClouds, APlaceThatFitsAsWellIsARival) {
-  const Alignment found = align_clouds(bare_room(1), bare_room(2), {.starts = {{}, kHalfTurn}});
+  const Alignment found = aligned(bare_room(1), bare_room(2), {.starts = {{}, kHalfTurn}});
   ASSERT_TRUE(found.T_a_b_elsewhere.has_value());
   EXPECT_NEAR(found.elsewhere.score(), found.after.score(), 0.01);
   EXPECT_TRUE(found.fits_elsewhere());
@@ -126,7 +130,7 @@ TEST(AlignClouds, APlaceThatFitsAsWellIsARival) {
 }
 
 TEST(AlignClouds, AKeptStartStaysAmongPlacesThatFitAsWell) {
-  const Alignment found = align_clouds(bare_room(1), bare_room(2), {.starts = {kHalfTurn, {}}, .is_first_kept = true});
+  const Alignment found = aligned(bare_room(1), bare_room(2), {.starts = {kHalfTurn, {}}, .is_first_kept = true});
   EXPECT_LT((found.T_a_b.translation_m - Point3(5.0, 4.0, 0.0)).norm(), 0.01);
   EXPECT_FALSE(found.fits_elsewhere());
   EXPECT_TRUE(found.is_believed());
@@ -134,10 +138,10 @@ TEST(AlignClouds, AKeptStartStaysAmongPlacesThatFitAsWell) {
 
 TEST(AlignClouds, AKeptStartIsDoubtfulIfAnotherPlaceFitsBetter) {
   const Cloud a = furnished_room(1);
-  const Alignment kept = align_clouds(a, furnished_room(2), {.starts = {kHalfTurn, {}}, .is_first_kept = true});
+  const Alignment kept = aligned(a, furnished_room(2), {.starts = {kHalfTurn, {}}, .is_first_kept = true});
   EXPECT_TRUE(kept.fits_elsewhere());
   EXPECT_FALSE(kept.is_believed());
-  const Alignment free = align_clouds(a, furnished_room(2), {.starts = {kHalfTurn, {}}});
+  const Alignment free = aligned(a, furnished_room(2), {.starts = {kHalfTurn, {}}});
   EXPECT_LT(free.T_a_b.translation_m.norm(), 0.005);
   EXPECT_TRUE(free.is_believed());
 }
@@ -145,7 +149,7 @@ TEST(AlignClouds, AKeptStartIsDoubtfulIfAnotherPlaceFitsBetter) {
 TEST(AlignClouds, AnOpenHeightIsFound) {
   const Pose3 T_a_b{{0.2, -0.1, 2.2}, Eigen::Quaterniond::Identity()};
   const Cloud b = moved(furnished_room(2), inverse(T_a_b));
-  const Alignment found = align_clouds(furnished_room(1), b, {.starts = {{.is_height_open = true}}});
+  const Alignment found = aligned(furnished_room(1), b, {.starts = {{.is_height_open = true}}});
   EXPECT_LT((found.T_a_b.translation_m - T_a_b.translation_m).norm(), 0.003);
 }
 
@@ -195,7 +199,7 @@ TEST(NdtMap, TheSampleOfAPlaneLiesOnIt) {
   EXPECT_NEAR(high - low, 1.9, 0.03);  // from the middle of the first of twenty rows to that of the last
 }
 
-TEST(AlignClouds, FewPointsAreRefused) { EXPECT_THROW(align_clouds(furnished_room(1), Cloud(99), {}), InputError); }
+TEST(AlignClouds, FewPointsAreRefused) { EXPECT_THROW(aligned(furnished_room(1), Cloud(99), {}), InputError); }
 
 }  // namespace
 }  // namespace gdtslam

@@ -16,6 +16,10 @@ using test::moved;
 using test::Rectangle;
 using test::strew;
 
+std::vector<WallPlace> places_by_walls(const Cloud& a, const Cloud& b, std::size_t most) {
+  return find_by_walls(a, b, most, *make_cpu_backend({}));
+}
+
 Cloud bare_room(std::uint64_t seed) {
   Random random(seed);
   Cloud cloud;
@@ -43,7 +47,7 @@ TEST(FindByWalls, FindsARoomAtAnyHeadingAndHeight) {
   for (const Pose2& T_a_b : {Pose2{12.0, -7.0, 2.4}, Pose2{-30.0, 4.0, -1.1}, Pose2{0.3, 0.2, 3.1}}) {
     Pose3 T_b_a = inverse(embed(T_a_b));
     T_b_a.translation_m.z() += 1.5;
-    const auto places = find_by_walls(a, moved(divided_room(2), T_b_a), 2);
+    const auto places = places_by_walls(a, moved(divided_room(2), T_b_a), 2);
     ASSERT_EQ(places.size(), 2U);
     EXPECT_TRUE(is_near(places[0].T_a_b, T_a_b)) << places[0].T_a_b.x_m << " " << places[0].T_a_b.y_m;
     EXPECT_TRUE(places[0].is_proven);
@@ -53,7 +57,7 @@ TEST(FindByWalls, FindsARoomAtAnyHeadingAndHeight) {
 }
 
 TEST(FindByWalls, ABareRoomFitsTurnedByHalfATurnToo) {
-  const auto places = find_by_walls(bare_room(3), bare_room(4), 2);
+  const auto places = places_by_walls(bare_room(3), bare_room(4), 2);
   ASSERT_EQ(places.size(), 2U);
   const Pose2 turned{6.0, 4.0, std::numbers::pi};
   EXPECT_TRUE(is_near(places[0].T_a_b, {}) || is_near(places[1].T_a_b, {}));
@@ -65,9 +69,9 @@ TEST(FindByWalls, WithoutWallsThereIsNoPlace) {
   Random random(5);
   Cloud floor;
   strew(floor, {{0.0, 0.0, 0.0}, {6.0, 0.0, 0.0}, {0.0, 4.0, 0.0}}, 6'000, 0.005, random);
-  EXPECT_TRUE(find_by_walls(floor, floor, 2).empty());
-  EXPECT_TRUE(find_by_walls(bare_room(6), floor, 2).empty());
-  EXPECT_TRUE(find_by_walls(floor, bare_room(6), 2).empty());
+  EXPECT_TRUE(places_by_walls(floor, floor, 2).empty());
+  EXPECT_TRUE(places_by_walls(bare_room(6), floor, 2).empty());
+  EXPECT_TRUE(places_by_walls(floor, bare_room(6), 2).empty());
 }
 
 }  // namespace

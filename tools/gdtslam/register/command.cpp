@@ -23,6 +23,7 @@
 #include "gdtslam/io/cloud_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
@@ -44,6 +45,7 @@ struct RegisterCommand {
   int dof = 6;
   std::string start;
   std::string output;
+  DeviceOptions device{};
   bool force = false;
   bool json = false;
 };
@@ -102,8 +104,8 @@ AlignmentOptions make_options(const RegisterCommand& command) {
 }
 
 // Adds the places that the walls of both clouds allow: to begin from, or as rivals of a given start.
-void add_places(const Cloud& fixed, const Cloud& moved, AlignmentOptions& options) {
-  for (const WallPlace& place : find_by_walls(fixed, moved, kMostPlaces)) {
+void add_places(const Cloud& fixed, const Cloud& moved, Backend& backend, AlignmentOptions& options) {
+  for (const WallPlace& place : find_by_walls(fixed, moved, kMostPlaces, backend)) {
     options.starts.push_back({embed(place.T_a_b), !options.is_planar});
   }
 }
@@ -224,8 +226,9 @@ int register_pair(const RegisterCommand& command) {
                                           "; subtract the same offset from both");
   }
   remark_origin(fixed.file, fixed.origin_m);
-  add_places(fixed.points, moved.points, options);
-  const Alignment found = align_clouds(fixed.points, moved.points, options);
+  const std::unique_ptr<Backend> backend = make_backend(command.device);
+  add_places(fixed.points, moved.points, *backend, options);
+  const Alignment found = align_clouds(fixed.points, moved.points, options, *backend);
   if (!command.output.empty()) write_moved(command.output, moved.points, found.T_a_b);
   print_result(command.json ? as_json(found) : as_text(command, found));
   return static_cast<int>(ExitCode::kDone);
@@ -265,6 +268,7 @@ void add_register_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option("-o,--output", options->output, "Write the moved cloud in the frame of the fixed one: .ply or .pcd")
       ->type_name("FILE");
+  add_device_options(*command, options->device);
   add_force_option(*command, options->force);
   command->add_flag("--json", options->json, "Print the result as JSON");
   command->footer(
