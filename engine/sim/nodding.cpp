@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -36,7 +37,33 @@ bool closes_all_around(const calib::SweepModel& model) {
   return kind == calib::GrashofClass::kCrankRocker || kind == calib::GrashofClass::kDoubleCrank;
 }
 
+// The identifier of the elevation's error among the streams of a seed.
+constexpr std::uint64_t kElevationStream = 3;
+
+SineSum random_harmonics(std::uint64_t seed) {
+  Random random = Random(seed).split(kElevationStream);
+  return SineSum::with_phases({{1.0, 1.0}, {0.5, 2.0}, {0.25, 3.0}}, random);
+}
+
 }  // namespace
+
+SineSum SineSum::with_phases(std::vector<Wave> waves, Random& random) {
+  double sq_sum = 0.0;
+  for (const Wave& wave : waves) sq_sum += 0.5 * wave.amplitude * wave.amplitude;
+  for (Wave& wave : waves) {
+    wave.amplitude /= std::sqrt(sq_sum);
+    wave.start_turns = random.uniform();
+  }
+  return {std::move(waves)};
+}
+
+double SineSum::at(double x) const {
+  double sum = 0.0;
+  for (const Wave& wave : waves) {
+    sum += wave.amplitude * sin_cos(kTwoPi * (wave.frequency * x + wave.start_turns)).sin;
+  }
+  return sum;
+}
 
 std::vector<std::string> validate(const NoddingModel& model) {
   std::vector<std::string> faults = validate(model.truth);
@@ -46,6 +73,7 @@ std::vector<std::string> validate(const NoddingModel& model) {
       faults.emplace_back(fault);
     }
   };
+  require(model.elevation_error_rad, 0.0, rad_from_deg(10.0), "elevation_error must be 0 to 10 deg");
   require(model.crank_rate_hz, 1e-4, 50.0, "crank_rate must be 0.0001 to 50 Hz");
   require(model.encoder_rate_hz, 1.0, 10'000.0, "the encoder's rate must be 1 to 10000 Hz");
   require(model.start_turns, -1e6, 1e6, "start must be at most a million turns");
@@ -87,7 +115,8 @@ std::vector<Waypoint> with_scan_stops(const NoddingModel& model, const std::vect
   return stops;
 }
 
-NoddingCourse::NoddingCourse(const NoddingModel& model, const MotionPlan& plan) : model_(model) {
+NoddingCourse::NoddingCourse(const NoddingModel& model, const MotionPlan& plan, std::uint64_t seed)
+    : model_(model), elevation_error_(random_harmonics(seed)) {
   if (const std::vector<std::string> faults = validate(model); !faults.empty()) {
     throw ConfigError("nodding: " + faults.front());
   }
@@ -152,7 +181,8 @@ double NoddingCourse::elevation_rad(double time_s) const {
   if (!elevation) {
     throw ConfigError("nodding: the linkage does not close at " + std::to_string(crank_turns(time_s)) + " turns");
   }
-  return *elevation;
+  if (model_.elevation_error_rad == 0.0) return *elevation;
+  return *elevation + model_.elevation_error_rad * elevation_error_.at(crank_turns(time_s));
 }
 
 std::optional<Encoder> NoddingCourse::message(double time_s) const {

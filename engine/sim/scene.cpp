@@ -69,6 +69,33 @@ void add_mesh(TriangleMesh& mesh, const TriangleMesh& part) {
   }
 }
 
+// A closed solid; a side of height zero has triangles without area, which no ray meets.
+void add_floor_part(TriangleMesh& mesh, const FloorPart& part, double floor_m) {
+  const Pose2 T_map_part{part.centre_m.x(), part.centre_m.y(), part.yaw_rad};
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const Point2& knot : part.profile_m) {
+    for (const double y : {-0.5 * part.width_m, 0.5 * part.width_m}) {
+      const Point2 p = T_map_part * Point2(knot.x(), y);
+      add_vertex(mesh, p.x(), p.y(), floor_m);
+      add_vertex(mesh, p.x(), p.y(), knot.y());
+    }
+  }
+  // Vertices of a knot: 0 right below, 1 right top, 2 left below, 3 left top.
+  const auto add_quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    mesh.triangles.push_back({first + a, first + b, first + c});
+    mesh.triangles.push_back({first + a, first + c, first + d});
+  };
+  const auto last = static_cast<std::uint32_t>(4 * (part.profile_m.size() - 1));
+  add_quad(0, 1, 3, 2);
+  for (std::uint32_t k = 0; k < last; k += 4) {
+    add_quad(k + 1, k + 5, k + 7, k + 3);
+    add_quad(k + 2, k + 6, k + 4, k + 0);
+    add_quad(k + 0, k + 4, k + 5, k + 1);
+    add_quad(k + 3, k + 7, k + 6, k + 2);
+  }
+  add_quad(last + 2, last + 3, last + 1, last + 0);
+}
+
 // A rectangle below or above all parts, a metre larger than these on each side.
 void add_slab(TriangleMesh& mesh, const Eigen::Vector2d& low, const Eigen::Vector2d& high, double z_m) {
   constexpr double kMargin_m = 1.0;
@@ -114,6 +141,21 @@ void add_parts(TriangleMesh& mesh, const std::vector<Part>& parts, const char* k
   }
 }
 
+void add_floor_parts(TriangleMesh& mesh, const Scene& scene) {
+  if (scene.floor_parts.empty()) return;
+  if (!scene.floor_m) {
+    throw ConfigError("ramps, plates and sills lie on a floor, but the scene has none: add `floor: 0`");
+  }
+  add_parts(mesh, scene.floor_parts, "ramp, plate or sill", [&](TriangleMesh& to, const FloorPart& part) {
+    for (const Point2& knot : part.profile_m) {
+      if (knot.y() >= *scene.floor_m) continue;
+      throw ConfigError("a ramp, plate or sill is at " + std::to_string(knot.y()) + " m, under the floor at " +
+                        std::to_string(*scene.floor_m) + " m: raise it, or lower the floor");
+    }
+    add_floor_part(to, part, *scene.floor_m);
+  });
+}
+
 void check_finished(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) {
     throw ConfigError("the scene is empty: add at least one wall, box, cylinder or mesh");
@@ -145,6 +187,7 @@ TriangleMesh triangulate(const Scene& scene) {
   add_parts(mesh, scene.boxes, "box", add_box);
   add_parts(mesh, scene.cylinders, "cylinder", add_cylinder);
   add_parts(mesh, scene.meshes, "mesh", add_mesh);
+  add_floor_parts(mesh, scene);
   add_slabs(mesh, scene);
   check_finished(mesh);
   return mesh;

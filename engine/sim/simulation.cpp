@@ -1,10 +1,12 @@
 #include "gdtslam/sim/simulation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "chassis.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::sim {
@@ -20,12 +22,15 @@ double event_time_s(std::size_t index, double rate_hz) {
   return std::floor(static_cast<double>(index) / rate_hz * 1e6 + 0.5) / 1e6;
 }
 
-std::vector<BeamTruth> beams_at(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
-                                const NoddingCourse* course, double time_s) {
+std::vector<BeamTruth> beams_at(const SimulationConfig& config, const Chassis& chassis, const MotionPlan& plan,
+                                const RayCaster& caster, const NoddingCourse* course, double time_s) {
   const auto T_map_laser_at = [&](double offset_s) {
-    const Pose2 T_map_base = base_pose(config.wheels, plan.state_at(time_s + offset_s));
-    return course != nullptr ? embed(T_map_base) * course->T_base_laser(config.T_base_laser, time_s + offset_s)
-                             : embed(T_map_base * config.T_base_laser, config.laser_height_m);
+    const MotionState state = plan.state_at(time_s + offset_s);
+    if (course == nullptr && chassis.is_level()) {
+      return embed(base_pose(config.wheels, state) * config.T_base_laser, config.floor_m + config.laser_height_m);
+    }
+    return chassis.T_map_base(state) * (course != nullptr ? course->T_base_laser(config.T_base_laser, time_s + offset_s)
+                                                          : embed(config.T_base_laser, config.laser_height_m));
   };
   if (!config.stamps_first_beam) return true_beams(config.laser, caster, T_map_laser_at);
   const double first_s = config.laser.time_of_beam_s(0);
@@ -38,29 +43,55 @@ std::vector<BeamTruth> beams_at(const SimulationConfig& config, const MotionPlan
 /// Wheels, encoders and odometry, advanced from event to event.
 class Robot {
  public:
-  Robot(const SimulationConfig& config, const MotionPlan& plan)
+  Robot(const SimulationConfig& config, const Chassis& chassis, const MotionPlan& plan)
       : plan_(plan),
+        chassis_(chassis),
+        is_floor_even_(config.floor_parts.empty()),
         half_track_m_(0.5 * config.wheels.true_track_width_m()),
         encoders_(config.wheels, Random(config.seed).split(kWheelStream)),
-        odometer_(config.wheels) {}
+        odometer_(config.wheels),
+        last_floor_m_(chassis.floor_below_axle_m(plan.state_at(0.0).T_map_axle)) {}
 
   MotionState move_to(double time_s) {
-    const MotionState now = plan_.state_at(time_s);
-    const double ahead_m = now.travelled_m - last_.travelled_m;
-    const double turned_m = (now.turned_rad - last_.turned_rad) * half_track_m_;
-    encoders_.advance(ahead_m - turned_m, ahead_m + turned_m);
+    // Pieces that are short against a sill, so that the travel over it does not depend on the rate of the odometry.
+    constexpr double kPiece_s = 0.005;
+    const double pieces = is_floor_even_ ? 1.0 : std::max(1.0, std::ceil((time_s - last_s_) / kPiece_s));
+    double left_m = 0.0;
+    double right_m = 0.0;
+    const double from_s = last_s_;
+    for (double k = 1.0; k <= pieces; k += 1.0) move_piece(from_s + (time_s - from_s) * (k / pieces), left_m, right_m);
+    encoders_.advance(left_m, right_m);
     T_odom_base_ = odometer_.update(encoders_.ticks());
-    last_ = now;
-    return now;
+    last_s_ = time_s;
+    return last_;
   }
   [[nodiscard]] const Pose2& T_odom_base() const { return T_odom_base_; }
 
  private:
+  // Adds the travel of the wheels along the floor.
+  void move_piece(double time_s, double& left_m, double& right_m) {
+    const MotionState now = plan_.state_at(time_s);
+    const double ahead_m = now.travelled_m - last_.travelled_m;
+    const double turned_m = (now.turned_rad - last_.turned_rad) * half_track_m_;
+    const std::array<double, 2> floor_m = chassis_.floor_below_axle_m(now.T_map_axle);
+    left_m += along_slope(ahead_m - turned_m, floor_m[0] - last_floor_m_[0]);
+    right_m += along_slope(ahead_m + turned_m, floor_m[1] - last_floor_m_[1]);
+    last_ = now;
+    last_floor_m_ = floor_m;
+  }
+  static double along_slope(double plan_m, double rise_m) {
+    return rise_m == 0.0 ? plan_m : std::copysign(std::sqrt(plan_m * plan_m + rise_m * rise_m), plan_m);
+  }
+
   const MotionPlan& plan_;
+  const Chassis& chassis_;
+  bool is_floor_even_;
   double half_track_m_;
   WheelEncoders encoders_;
   WheelOdometer odometer_;
   MotionState last_;
+  double last_s_ = 0.0;
+  std::array<double, 2> last_floor_m_;
   Pose2 T_odom_base_;
 };
 
@@ -119,7 +150,13 @@ class Run {
  public:
   Run(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster, const SimulationSink& sink,
       const NoddingCourse* course)
-      : config_(config), plan_(plan), caster_(caster), sink_(sink), course_(course), robot_(config, plan) {
+      : config_(config),
+        plan_(plan),
+        caster_(caster),
+        sink_(sink),
+        course_(course),
+        chassis_(config),
+        robot_(config, chassis_, plan) {
     const double end_s = plan.duration_s();
     odometry_ = {config.odometry_rate_hz, 0.0, end_s};
     scans_ = {config.scan_rate_hz, 0.0, end_s};
@@ -176,12 +213,12 @@ class Run {
 
   void tell_scan(double now_s) {
     const MotionState state = move_to(now_s);
-    std::vector<BeamTruth> beams = beams_at(config_, plan_, caster_, course_, now_s);
+    std::vector<BeamTruth> beams = beams_at(config_, chassis_, plan_, caster_, course_, now_s);
     Random random = laser_random_.split(scans_.count);
     std::vector<float> ranges_m = measured_ranges(config_.laser, beams, random);
     count_beams(config_.laser, ranges_m, summary_);
-    sink_.scan({make_record(config_, now_s, std::move(ranges_m), robot_.T_odom_base()),
-                base_pose(config_.wheels, state), course_ != nullptr ? course_->elevation_rad(now_s) : 0.0,
+    sink_.scan({make_record(config_, now_s, std::move(ranges_m), robot_.T_odom_base()), chassis_.T_map_base(state),
+                course_ != nullptr ? course_->elevation_rad(now_s) : 0.0,
                 course_ != nullptr ? course_->crank_turns(now_s) : 0.0, std::move(beams), course_});
     summary_.scans = ++scans_.count;
     summary_.is_whole = sink_.keep_on(plan_.duration_s() > 0.0 ? now_s / plan_.duration_s() : 1.0);
@@ -192,6 +229,7 @@ class Run {
   const RayCaster& caster_;
   const SimulationSink& sink_;
   const NoddingCourse* course_;
+  Chassis chassis_;
   Random laser_random_ = Random(config_.seed).split(kLaserStream);
   Robot robot_;
   Beat odometry_;
@@ -227,6 +265,13 @@ std::vector<std::string> validate(const SimulationConfig& config) {
   for (const std::string& fault : validate(config.wheels)) {
     faults.push_back("wheels: " + fault);
   }
+  for (const std::string& fault : validate(config.chassis)) {
+    faults.push_back("chassis: " + fault);
+  }
+  for (const FloorPart& part : config.floor_parts) {
+    for (const std::string& fault : validate(part)) faults.push_back("floor: " + fault);
+  }
+  if (!(std::fabs(config.floor_m) <= kMaxCoordinate_m)) faults.emplace_back("floor: must lie within 1000 m of 0");
   if (!(config.scan_rate_hz >= 0.01 && config.scan_rate_hz <= 10'000.0)) {
     faults.emplace_back("recording: scan_rate must be 0.01 to 10000 Hz");
   }
@@ -261,7 +306,7 @@ SimulationSummary run_simulation(const SimulationConfig& config, const MotionPla
   require_few_records(config, plan.duration_s());
   std::optional<NoddingCourse> course;
   if (config.nodding) {
-    course.emplace(*config.nodding, plan);
+    course.emplace(*config.nodding, plan, config.seed);
   }
   return Run(config, plan, caster, sink, course ? &*course : nullptr).whole();
 }

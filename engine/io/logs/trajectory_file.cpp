@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <iterator>
 
 #include "engine/core/elementary.hpp"
 #include "engine/io/atomic_file.hpp"
@@ -14,6 +13,7 @@
 #include "field_cursor.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tum_row.hpp"
 
 namespace gdtslam {
 namespace {
@@ -97,16 +97,21 @@ Trajectory read_tum(std::unique_ptr<ByteSource> source, const std::string& name)
 
 }  // namespace
 
+std::string tum_row(double stamp_s, const Pose3& T_map_base) {
+  if (!T_map_base.is_finite() || !std::isfinite(stamp_s)) {
+    throw Error(ExitCode::kFailed, fmt::format("the pose at {} s is not finite and cannot be written", stamp_s));
+  }
+  const Point3& at_m = T_map_base.translation_m;
+  const Eigen::Quaterniond& q = T_map_base.rotation;
+  return fmt::format("{:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", stamp_s, at_m.x(), at_m.y(), at_m.z(),
+                     q.x(), q.y(), q.z(), q.w());
+}
+
 std::string tum_text(const Trajectory& trajectory) {
   std::string text;
   for (const StampedPose& pose : trajectory) {
     const Pose2& T = pose.T_map_base;
-    if (!T.is_finite() || !std::isfinite(pose.stamp_s)) {
-      throw Error(ExitCode::kFailed, fmt::format("the pose at {} s is not finite and cannot be written", pose.stamp_s));
-    }
-    const SinCos<double> half = sin_cos(0.5 * wrap_angle(T.theta_rad));
-    fmt::format_to(std::back_inserter(text), "{:.9f} {:.9f} {:.9f} 0.000000000 0.000000000 0.000000000 {:.9f} {:.9f}\n",
-                   pose.stamp_s, T.x_m, T.y_m, half.sin, half.cos);
+    text += tum_row(pose.stamp_s, embed({T.x_m, T.y_m, wrap_angle(T.theta_rad)}));
   }
   return text;
 }

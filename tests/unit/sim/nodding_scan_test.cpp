@@ -172,7 +172,7 @@ TEST(NoddingScan, TrueHitsLieOnTheSceneWhereTheBeamAtItsOwnTimePoints) {
       EXPECT_NEAR(beam.hit_m.x(), at.x_m + x * std::cos(at.theta_rad) - y * std::sin(at.theta_rad), 1e-9);
       EXPECT_NEAR(beam.hit_m.y(), at.y_m + x * std::sin(at.theta_rad) + y * std::cos(at.theta_rad), 1e-9);
       EXPECT_NEAR(beam.hit_m.z(), z, 1e-9);
-      most_within_scan_m = std::max(most_within_scan_m, std::fabs(at.x_m - scan.T_map_base.x_m));
+      most_within_scan_m = std::max(most_within_scan_m, std::fabs(at.x_m - scan.T_map_base.translation_m.x()));
     }
   }
   EXPECT_GT(hits, 500U);

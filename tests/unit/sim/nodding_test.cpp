@@ -57,6 +57,34 @@ TEST(NoddingCourse, ElevationIsThatOfTheLinkage) {
   }
 }
 
+TEST(NoddingCourse, AnElevationErrorIsASmoothCurveOfTheCrankWithTheStatedRms) {
+  const NoddingCourse nominal(model_of(), standing_still(30.0));
+  NoddingModel model = model_of();
+  model.elevation_error_rad = rad_from_deg(0.5);
+  const NoddingCourse course(model, standing_still(30.0), 7);
+  const NoddingCourse other(model, standing_still(30.0), 8);
+  constexpr int kAngles = 1000;
+  const double turn_s = 1.0 / model.crank_rate_hz;
+  double sum = 0.0;
+  double sq_sum = 0.0;
+  for (int i = 0; i < kAngles; ++i) {
+    const double t = turn_s * i / kAngles;
+    const double error = course.elevation_rad(t) - nominal.elevation_rad(t);
+    sum += error;
+    sq_sum += error * error;
+    // The same at the next turn; three harmonics change by at most 3 * sqrt(2) * RMS a radian of the crank.
+    EXPECT_NEAR(course.elevation_rad(t + turn_s) - nominal.elevation_rad(t + turn_s), error, 1e-12);
+    const double next = course.elevation_rad(t + 0.001 * turn_s) - nominal.elevation_rad(t + 0.001 * turn_s);
+    EXPECT_LT(std::fabs(next - error), 0.001 * kTwoPi * 3.0 * std::sqrt(2.0) * model.elevation_error_rad);
+    EXPECT_EQ(course.message(t)->ticks, nominal.message(t)->ticks);
+  }
+  EXPECT_NEAR(sum / kAngles, 0.0, 1e-12);
+  EXPECT_NEAR(std::sqrt(sq_sum / kAngles), model.elevation_error_rad, 1e-9);
+  EXPECT_NE(course.elevation_rad(1.0), other.elevation_rad(1.0));
+  model.elevation_error_rad = 1.0;
+  EXPECT_THAT(validate(model), ElementsAre("elevation_error must be 0 to 10 deg"));
+}
+
 TEST(NoddingCourse, ContinuousTurnsEvenlyAndTheCounterWraps) {
   NoddingModel model = model_of();
   model.start_turns = 0.25;

@@ -81,6 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Sample{"office-3f", 1.0, 215, 56.9, "39479aa9c60669eed6007a2fa31a27427a1134ee137e62b5f8ee7a4a16cc9133"},
         Sample{"office-7f", 1.0, 258, 62.6, "3d7fa3c6414bdc12f6a3b480e37e8b09a2cae14efd32a03a26d76e1822cba763"},
+        Sample{"two-levels", 1.0, 251, 60.0, "4d5816a58cd61795ab8bbf66454cfeab41f634e13591f0eadfd2b2ddfffd3274"},
         Sample{"three-boxes", 4.0, 160, 0.0, "a269bf788fd1d3084e7dccd8ea8e28705a534ccef05f8c8878ccce695a736f58"},
         Sample{"wall", 4.0, 10041, 0.0, "2f9effa34ab185075663a35e525bf200d132ae889e2a5cfe03706c7c45c5569a"},
         Sample{"walls", 4.0, 181, 0.0, "de8ba4b763e6de7d044c8c4b20b6d922e9fa0f9b6a424cc0b473358fa9869cf6"}),

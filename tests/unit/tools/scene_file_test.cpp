@@ -164,6 +164,17 @@ TEST_F(SceneFileTest, RefusesWrongKindsAndValues) {
   EXPECT_THAT(refusal("objects: [{name: desk}]\nplace: [{object: dsek, at: [0, 0]}]\n"),
               HasSubstr("did you mean 'desk'?"));
   EXPECT_THAT(refusal("objects: [{name: a}, {name: a}]\n"), HasSubstr("there are two objects 'a'"));
+  EXPECT_THAT(refusal("ramps: [{from: [0, 0], to: [1, 0, 0], width: 1}]\n"),
+              HasSubstr("2: ramps[0].from: a place [x, y, z] is expected here"));
+  EXPECT_THAT(refusal("plates: [{centre: [0, 0], size: [1, 1], heigth: 1}]\n"), HasSubstr("did you mean 'height'?"));
+  EXPECT_THAT(refusal("floor: 0\nsills: [{from: [0, 0], to: [0, 0]}]\n"),
+              HasSubstr("3: sills[0]: each side must be 1 mm to 2000 m"));
+  std::string sills = "floor: 0\nsills:\n";
+  for (int i = 0; i < 1001; ++i) sills += "  - {from: [0, 0], to: [1, 0]}\n";
+  EXPECT_THAT(refusal(sills), HasSubstr("1004: sills[1000]: the scene has more than 1000 ramps, plates and sills"));
+  EXPECT_THAT(refusal("robot: {chassis: {sway_tilt: 0.4}}\n"), HasSubstr("an angle needs its unit"));
+  EXPECT_THAT(refusal("robot: {chassis: {wheelbase: 0}}\n"),
+              HasSubstr("2: robot.chassis: wheelbase must be 1 cm to 100 m"));
   EXPECT_THAT(refusal("boxes: 3\n"), HasSubstr("2: boxes: a list is expected"));
   EXPECT_THAT(refusal("boxes: [3]\n"), HasSubstr("keys with values are expected"));
   EXPECT_THAT(refusal("floor: low\n"), HasSubstr("2: floor: 'low' is no value"));

@@ -64,6 +64,14 @@ void read_wheels(const YamlValue& value, sim::WheelModel& wheels) {
   value.require_none(validate(wheels));
 }
 
+void read_chassis(const YamlValue& value, sim::ChassisModel& chassis) {
+  read_fields(value, {{"wheelbase", kLength, chassis.wheelbase_m},
+                      {"sway_tilt", kAngle, chassis.sway_tilt_rad},
+                      {"sway_heave", kLength, chassis.sway_heave_m},
+                      {"sway_wavelength", kLength, chassis.sway_wavelength_m}});
+  value.require_none(validate(chassis));
+}
+
 void read_motion(const YamlValue& value, sim::MotionLimits& limits) {
   read_fields(value, {{"speed", kSpeed, limits.speed_m_per_s},
                       {"acceleration", kAcceleration, limits.acceleration_m_per_s2},
@@ -108,6 +116,7 @@ void read_robot(const YamlValue& value, SceneFile& scene) {
   read_fields(value, {{"body", [&](const YamlValue& body) { read_body(body, scene.body); }},
                       {"laser", [&](const YamlValue& laser) { read_laser(laser, scene); }},
                       {"wheels", [&](const YamlValue& wheels) { read_wheels(wheels, scene.config.wheels); }},
+                      {"chassis", [&](const YamlValue& chassis) { read_chassis(chassis, scene.config.chassis); }},
                       {"motion", [&](const YamlValue& motion) { read_motion(motion, scene.limits); }},
                       {"nodding", [&](const YamlValue& nodding) { scene.config.nodding = read_nodding(nodding); }}});
 }
@@ -152,6 +161,8 @@ SceneFile read_scene(const std::string& file) {
   for (YamlField& part : scene_part_fields(scene.scene)) fields.push_back(std::move(part));
   read_fields(root, fields);
   match_laser(scene.config);
+  scene.config.floor_parts = scene.scene.floor_parts;
+  scene.config.floor_m = scene.scene.floor_m.value_or(0.0);
   const std::vector<std::string> faults = validate(scene.config);
   if (!faults.empty()) root.refuse_below(faults.front());
   return scene;

@@ -125,6 +125,7 @@ sim::NoddingModel read_nodding(const YamlValue& value) {
   read_fields(value,
               {{"linkage", [&](const YamlValue& linkage) { nodding.truth = read_linkage_name(linkage); }},
                {"mode", [&](const YamlValue& mode) { nodding.mode = named(mode, kModes, "mode"); }},
+               {"elevation_error", kAngle, nodding.elevation_error_rad},
                {"crank_rate", kFrequency, nodding.crank_rate_hz},
                {"start", kAngle, start_rad},
                {"step", kAngle, nodding.step_rad},

@@ -181,6 +181,63 @@ double metres_per_unit(const YamlValue& unit) {
   return *metres;
 }
 
+// [x, y, z].
+sim::Vec3 read_place3(const YamlValue& value) {
+  const std::vector<YamlValue> at = value.entries();
+  if (at.size() != 3) value.refuse("a place [x, y, z] is expected here");
+  return {at[0].number(kLength), at[1].number(kLength), at[2].number(kLength)};
+}
+
+sim::FloorPart read_ramp(const YamlValue& value) {
+  sim::Vec3 from_m;
+  sim::Vec3 to_m;
+  double width_m = 1.0;
+  read_fields(value, {required({"from", [&](const YamlValue& place) { from_m = read_place3(place); }}),
+                      required({"to", [&](const YamlValue& place) { to_m = read_place3(place); }}),
+                      required({"width", kLength, width_m})});
+  return sim::make_ramp(from_m, to_m, width_m);
+}
+
+sim::FloorPart read_plate(const YamlValue& value) {
+  Point2 centre_m;
+  Point2 size_m;
+  double yaw_rad = 0.0;
+  double height_m = 0.0;
+  read_fields(value, {required({"centre", centre_m}),
+                      required({"size", size_m}),
+                      required({"height", kLength, height_m}),
+                      {"yaw", kAngle, yaw_rad}});
+  return sim::make_plate(centre_m, size_m, yaw_rad, height_m);
+}
+
+sim::FloorPart read_sill(const YamlValue& value) {
+  Point2 from_m;
+  Point2 to_m;
+  double width_m = 0.1;
+  double height_m = 0.015;
+  double base_m = 0.0;
+  read_fields(value, {required({"from", from_m}),
+                      required({"to", to_m}),
+                      {"width", kLength, width_m},
+                      {"height", kLength, height_m},
+                      {"base", kLength, base_m}});
+  return sim::make_sill(from_m, to_m, width_m, height_m, base_m);
+}
+
+/// The fields `ramps`, `plates` and `sills`.
+template <class Read>
+YamlField floor_field(const char* key, PartCount& parts, sim::Scene& scene, Read read) {
+  return list_field(key, [&parts, &scene, read](const YamlValue& value) {
+    constexpr std::size_t kMost = 1000;  // every beam looks at all of them
+    if (scene.floor_parts.size() == kMost) {
+      value.refuse("the scene has more than " + std::to_string(kMost) + " ramps, plates and sills");
+    }
+    parts.add(value, 1);
+    scene.floor_parts.push_back(read(value));
+    value.require_none(validate(scene.floor_parts.back()));
+  });
+}
+
 sim::TriangleMesh read_placed_mesh(const YamlValue& value, std::size_t max_triangles) {
   std::string file;
   double per_unit_m = 1.0;
@@ -189,11 +246,7 @@ sim::TriangleMesh read_placed_mesh(const YamlValue& value, std::size_t max_trian
     file = name.text();
     if (const std::string fault = fault_of_reference(value.file(), file); !fault.empty()) name.refuse(fault);
   };
-  const auto read_position = [&](const YamlValue& position) {
-    const std::vector<YamlValue> at = position.entries();
-    if (at.size() != 3) position.refuse("a place [x, y, z] is expected here");
-    placement.position_m = {at[0].number(kLength), at[1].number(kLength), at[2].number(kLength)};
-  };
+  const auto read_position = [&](const YamlValue& position) { placement.position_m = read_place3(position); };
   read_fields(value, {required({"file", read_file}),
                       {"scale", kNumber, placement.scale},
                       {"unit", [&](const YamlValue& unit) { per_unit_m = metres_per_unit(unit); }},
@@ -282,6 +335,9 @@ std::vector<YamlField> scene_part_fields(sim::Scene& scene) {
       list_field("place",
                  [parts, &scene](const YamlValue& place) { read_place(place, parts->objects, parts->count, scene); }),
       list_field("meshes", read_mesh_entry),
+      floor_field("ramps", parts->count, scene, read_ramp),
+      floor_field("plates", parts->count, scene, read_plate),
+      floor_field("sills", parts->count, scene, read_sill),
       {"floor", [&scene](const YamlValue& floor) { scene.floor_m = floor.number(kLength); }},
       {"ceiling", [&scene](const YamlValue& ceiling) { scene.ceiling_m = ceiling.number(kLength); }}};
 }

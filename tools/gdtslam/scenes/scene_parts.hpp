@@ -17,7 +17,8 @@ inline constexpr Quantity kTime{Unit::kSecond};
 inline constexpr Quantity kNumber{Unit::kNone};
 inline constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 
-/// Fields of the visible parts: wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling.
+/// Fields of the visible parts: wall_defaults, walls, boxes, cylinders, objects, place, meshes, ramps, plates, sills,
+/// floor and ceiling.
 /// Their readers throw FileError or InputError for a mesh. `scene` must outlive the fields.
 std::vector<YamlField> scene_part_fields(sim::Scene& scene);
 

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -13,11 +16,12 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/logs/carmen_writer.hpp"
+#include "engine/io/logs/tum_row.hpp"
 #include "engine/runs/folder/linkage_file.hpp"
+#include "engine/sim/chassis.hpp"
 #include "engine/sim/surface_distance.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/trajectory_file.hpp"
 #include "scene_file.hpp"
 #include "scene_parts.hpp"
 #include "simulated_files.hpp"
@@ -65,7 +69,7 @@ void apply_laser(const SimulateOptions& options, SceneFile& scene) {
 
 void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
   std::optional<sim::NoddingModel>& nodding = scene.config.nodding;
-  const bool asks = options.nod_mode || options.crank_rate_hz || options.ticks_per_turn;
+  const bool asks = options.nod_mode || options.crank_rate_hz || options.ticks_per_turn || options.elevation_error_rad;
   if (options.linkage || (asks && !nodding)) {
     if (!nodding) nodding.emplace();
     const std::string linkage = options.linkage.value_or(std::string(calib::kDefaultLinkage));
@@ -75,6 +79,7 @@ void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
   if (options.nod_mode) state("--nod", std::optional(nod_mode(*options.nod_mode)), nodding->mode, scene);
   state("--crank-rate", options.crank_rate_hz, nodding->crank_rate_hz, scene);
   if (options.is_exact) make_exact(nodding->truth.encoder);
+  state("--elevation-error", options.elevation_error_rad, nodding->elevation_error_rad, scene);
   state("--ticks", options.ticks_per_turn, nodding->truth.encoder.ticks_per_turn, scene);
 }
 
@@ -91,6 +96,8 @@ void apply_options(const SimulateOptions& options, SceneFile& scene) {
   apply_laser(options, scene);
   apply_nodding(options, scene);
   apply_motion(options, scene);
+  state("--sway", options.sway_tilt_rad, scene.config.chassis.sway_tilt_rad, scene);
+  state("--sway", options.sway_heave_m, scene.config.chassis.sway_heave_m, scene);
   scene.config.stamps_first_beam = options.mirror_rate_hz && !scene.config.nodding;
   state("--rate", options.scan_rate_hz, scene.config.scan_rate_hz, scene);
   if (options.trajectory) {
@@ -116,37 +123,95 @@ sim::MotionPlan make_plan(const SceneFile& scene, const std::string& source) {
   }
 }
 
-// Positions of the robot's centre along its path, about 5 cm apart.
-std::vector<Point2> places_along(const SceneFile& scene, const sim::MotionPlan& plan) {
+// Poses of the robot's centre along its path, about 5 cm apart.
+std::vector<Pose2> places_along(const SceneFile& scene, const sim::MotionPlan& plan) {
   constexpr double kStep_m = 0.05;
   constexpr double kMostPlaces = 2e6;
   const double wanted = plan.duration_s() * scene.limits.speed_m_per_s / kStep_m;
   const auto count = static_cast<std::size_t>(std::clamp(wanted, 2.0, kMostPlaces));
-  std::vector<Point2> places_m;
-  places_m.reserve(count + 1);
+  std::vector<Pose2> places;
+  places.reserve(count + 1);
   for (std::size_t i = 0; i <= count; ++i) {
     const double time_s = plan.duration_s() * static_cast<double>(i) / static_cast<double>(count);
-    places_m.push_back(base_pose(scene.config.wheels, plan.state_at(time_s)).translation());
+    places.push_back(base_pose(scene.config.wheels, plan.state_at(time_s)));
   }
-  return places_m;
+  return places;
 }
 
-// Smallest clearance of the path. Throws ConfigError if the robot would touch something.
+std::string place_text(const Point2& place_m) {
+  return "(" + fixed_text(place_m.x(), 2) + ", " + fixed_text(place_m.y(), 2) + ")";
+}
+
+// Throws ConfigError if a wheel would climb or fall over an edge between two places.
+void check_wheels(const SceneFile& scene, const std::vector<Pose2>& places, const std::string& source) {
+  constexpr double kHighestStep_m = 0.03;
+  if (scene.config.floor_parts.empty()) return;
+  const sim::Chassis chassis(scene.config);
+  std::array<double, 4> last_m = chassis.floor_below_m(places.front());
+  for (const Pose2& place : places) {
+    const std::array<double, 4> floor_m = chassis.floor_below_m(place);
+    for (std::size_t wheel = 0; wheel < floor_m.size(); ++wheel) {
+      const double step_m = std::fabs(floor_m[wheel] - last_m[wheel]);
+      if (step_m <= kHighestStep_m) continue;
+      throw ConfigError({source, 0}, "the floor below a wheel steps by " + fixed_text(step_m, 3) + " m near " +
+                                         place_text(place.translation()) +
+                                         ": add a ramp, make it wider or flatter, or move the waypoints there");
+    }
+    last_m = floor_m;
+  }
+}
+
+// The smallest clearance and its place. Places whose floor is equally high, to within the ground clearance or a 64th of
+// the path's rise, are measured together against what stands up to the body's height over that floor.
+double least_clearance_m(const SceneFile& scene, const sim::TriangleMesh& obstacles, const std::vector<Pose2>& places,
+                         Point2& nearest_m) {
+  std::vector<double> over_m;
+  over_m.reserve(places.size());
+  for (const Pose2& place : places) {
+    over_m.push_back(floor_height_m(scene.config.floor_parts, scene.config.floor_m, place.translation()) -
+                     scene.config.floor_m);
+  }
+  const double step_m = std::max(kGroundClearance_m, *std::max_element(over_m.begin(), over_m.end()) / 64.0);
+  std::map<long, std::vector<Point2>> levels;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    levels[std::lround(over_m[i] / step_m)].push_back(places[i].translation());
+  }
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const auto& [level, places_m] : levels) {
+    const double floor_m = scene.config.floor_m + static_cast<double>(level) * step_m;
+    const std::vector<double> clearances_m = sim::clearances_m(
+        obstacles, {floor_m + kGroundClearance_m, floor_m + scene.body.height_m, kClearanceLimit_m}, places_m);
+    const auto nearest = std::min_element(clearances_m.begin(), clearances_m.end());
+    if (*nearest >= least_m) continue;
+    least_m = *nearest;
+    nearest_m = places_m[static_cast<std::size_t>(nearest - clearances_m.begin())];
+  }
+  return least_m;
+}
+
+// All parts but those of the floor; may be empty.
+sim::TriangleMesh mesh_on_floor(sim::Scene scene, const std::string& source) {
+  scene.floor_parts.clear();
+  const bool is_bare = scene.walls.empty() && scene.boxes.empty() && scene.cylinders.empty() && scene.meshes.empty();
+  return is_bare ? sim::TriangleMesh{} : triangulated(scene, source);
+}
+
+// Smallest clearance of the path. Throws ConfigError if the robot would touch something or fall off an edge.
 double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, const sim::TriangleMesh& mesh,
                            const std::string& source) {
-  const double floor_m = scene.scene.floor_m.value_or(0.0);
-  const std::vector<Point2> places_m = places_along(scene, plan);
-  const std::vector<double> clearances_m = sim::clearances_m(
-      mesh, {floor_m + kGroundClearance_m, floor_m + scene.body.height_m, kClearanceLimit_m}, places_m);
-  const auto nearest = std::min_element(clearances_m.begin(), clearances_m.end());
-  if (*nearest < scene.body.radius_m) {
-    const Point2& place_m = places_m[static_cast<std::size_t>(nearest - clearances_m.begin())];
-    throw ConfigError({source, 0}, "the path comes within " + fixed_text(*nearest, 3) + " m of an obstacle at (" +
-                                       fixed_text(place_m.x(), 2) + ", " + fixed_text(place_m.y(), 2) +
-                                       "), but the robot's radius is " + fixed_text(scene.body.radius_m, 3) +
-                                       " m: move the waypoints there");
+  const std::vector<Pose2> places = places_along(scene, plan);
+  check_wheels(scene, places, source);
+  std::optional<sim::TriangleMesh> standing;
+  const sim::TriangleMesh& obstacles =
+      scene.config.floor_parts.empty() ? mesh : standing.emplace(mesh_on_floor(scene.scene, source));
+  Point2 nearest_m;
+  const double least_m = least_clearance_m(scene, obstacles, places, nearest_m);
+  if (least_m < scene.body.radius_m) {
+    throw ConfigError({source, 0}, "the path comes within " + fixed_text(least_m, 3) + " m of an obstacle at " +
+                                       place_text(nearest_m) + ", but the robot's radius is " +
+                                       fixed_text(scene.body.radius_m, 3) + " m: move the waypoints there");
   }
-  return *nearest;
+  return least_m;
 }
 
 // Enough decimals for multiples of the resolution, at least three from a millimetre on. Ranges that are not rounded
@@ -193,6 +258,13 @@ std::string log_header(const SceneFile& scene, const CarmenWriter& writer) {
   if (config.nodding) {
     parameters.emplace_back("simulated_linkage", one_word(config.nodding->truth.name));
     parameters.emplace_back("simulated_crank_rate", fixed_text(config.nodding->crank_rate_hz, 6));
+  }
+  const std::pair<const char*, double> bodily[] = {
+      {"simulated_sway_tilt", config.chassis.sway_tilt_rad},
+      {"simulated_sway_heave", config.chassis.sway_heave_m},
+      {"simulated_elevation_error", config.nodding ? config.nodding->elevation_error_rad : 0.0}};
+  for (const auto& [name, value] : bodily) {
+    if (value > 0.0) parameters.emplace_back(name, fixed_text(value, 6));
   }
   std::string header;
   for (const auto& [name, value] : parameters) {
@@ -241,7 +313,7 @@ struct Output {
     if (!log) return;
     log->finish();
     if (hits) hits->finish();
-    truth_file->write(tum_text(truth));
+    truth_file->write(truth);
     files.commit();
   }
 
@@ -252,7 +324,8 @@ struct Output {
   AtomicFile* truth_file = nullptr;
   std::optional<ElevationRows> elevations;
   std::optional<HitCloud> hits;
-  Trajectory truth;
+  std::string truth;  ///< rows of the trajectory in space
+  std::uint64_t scans = 0;
 };
 
 sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& scene, const sim::MotionPlan& plan,
@@ -265,12 +338,13 @@ sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& s
   sink.encoder = [&](const Encoder& encoder) { output.write(encoder.stamp_s, writer.encoder(encoder)); };
   sink.scan = [&](const sim::SimulatedScan& scan) {
     output.write(scan.record.scan.stamp_s, writer.scan(scan.record));
-    output.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
+    output.truth += tum_row(scan.record.scan.stamp_s, scan.T_map_base);
+    ++output.scans;
     if (output.elevations) output.elevations->add(scan);
     if (output.hits) output.hits->add(scan, limit_m);
   };
   sink.keep_on = [&](double share) {
-    if (options.progress) options.progress(output.truth.size(), share);
+    if (options.progress) options.progress(output.scans, share);
     return !options.stop || !options.stop();
   };
   sim::SimulationSummary summary = run_simulation(scene.config, plan, caster, sink);

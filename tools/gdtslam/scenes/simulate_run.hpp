@@ -35,8 +35,11 @@ struct SimulateOptions {
   std::optional<std::string> nod_mode{};        ///< continuous, stop-and-scan or stepped, instead of the scene's
   std::optional<double> crank_rate_hz{};        ///< instead of the scene's
   std::optional<std::int64_t> ticks_per_turn{};
-  std::optional<double> noise_m{};             ///< noise of the ranges, instead of the scene's
-  std::optional<double> range_resolution_m{};  ///< 0 keeps all digits
+  std::optional<double> elevation_error_rad{};  ///< instead of the scene's
+  std::optional<double> sway_tilt_rad{};        ///< instead of the scene's
+  std::optional<double> sway_heave_m{};         ///< instead of the scene's
+  std::optional<double> noise_m{};              ///< noise of the ranges, instead of the scene's
+  std::optional<double> range_resolution_m{};   ///< 0 keeps all digits
   bool is_exact =
       false;  ///< no noise, no rounding and no drop-outs of the laser, 2^30 ticks a turn; the four above win
   bool truth_hits = false;   ///< writes every hit as <log>.truth.ply

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
@@ -37,6 +38,8 @@ struct SimulateCommand {
   std::string resolution;
   std::string speed;
   std::string turn_rate;
+  std::string elevation_error;
+  std::string sway;
   double pace = 0.0;
   bool force = false;
   bool json = false;
@@ -104,6 +107,17 @@ std::optional<double> parse_rate(const std::string& option, const std::string& t
   return quantity_of(option, text.substr(0, text.size() - kPerSecond.size()), unit);
 }
 
+/// "0.4deg,1cm".
+void parse_sway(const std::string& text, SimulateOptions& options) {
+  if (text.empty()) return;
+  const std::vector<std::string> words = words_between_commas(text);
+  if (words.size() != 2) {
+    throw UsageError(fmt::format("--sway: {} is not TILT,HEAVE: write 0.4deg,1cm", in_quotes(text)));
+  }
+  options.sway_tilt_rad = quantity_of("--sway", words[0], Unit::kRadian);
+  options.sway_heave_m = quantity_of("--sway", words[1], Unit::kMetre);
+}
+
 /// Prints lines at their time, like a robot that runs `pace` times as fast; 0: at once.
 class PacedLines {
  public:
@@ -162,6 +176,10 @@ int run_simulate(const SimulateCommand& command) {
   }
   options.speed_m_per_s = parse_rate("--speed", command.speed, Unit::kMetre);
   options.turn_rate_rad_per_s = parse_rate("--turn-rate", command.turn_rate, Unit::kRadian);
+  if (!command.elevation_error.empty()) {
+    options.elevation_error_rad = quantity_of("--elevation-error", command.elevation_error, Unit::kRadian);
+  }
+  parse_sway(command.sway, options);
   options.noise_m = parse_length("--noise", command.noise);
   options.range_resolution_m = parse_length("--resolution", command.resolution);
   ProgressLine progress("scans", command.quiet);
@@ -228,6 +246,19 @@ void add_error_options(CLI::App& command, SimulateCommand& chosen) {
       ->type_name("LENGTH")
       ->group("Errors of the sensors");
   command
+      .add_option("--elevation-error", chosen.elevation_error,
+                  "Root mean square of a smooth error of the laser's elevation over a turn of the crank, which the "
+                  "linkage file does not have")
+      ->type_name("ANGLE")
+      ->group("Errors of the sensors");
+  command
+      .add_option(
+          "--sway", chosen.sway,
+          "Standard deviations of the body's roll and pitch and of its height over the floor, which change with "
+          "the distance driven: 0.4deg,1cm")
+      ->type_name("TILT,HEAVE")
+      ->group("Errors of the sensors");
+  command
       .add_flag("--exact", chosen.options.is_exact,
                 "No noise, no rounding and no drop-outs of the laser, 2^30 ticks a turn of the crank; --noise, "
                 "--resolution and --ticks still count")
@@ -241,11 +272,11 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option("scene", options.scene,
                    "A scene file, or the name of a sample: office-loop, corridor, "
-                   "office-3f, office-7f, three-boxes, wall, walls")
+                   "office-3f, office-7f, two-levels, three-boxes, wall, walls")
       ->required()
       ->type_name("SCENE");
   offer_words(command->get_option("scene"),
-              {"office-loop", "corridor", "office-3f", "office-7f", "three-boxes", "wall", "walls"});
+              {"office-loop", "corridor", "office-3f", "office-7f", "two-levels", "three-boxes", "wall", "walls"});
   command
       ->add_option("-o,--output", options.output,
                    "The log to write: .log, .csv, .jsonl or .mcap tell the format, any other name means CARMEN; .gz "
@@ -296,6 +327,7 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       "  gdtslam simulate corridor -o corridor.log.gz --seed 7 --laser hokuyo-961 --rate 20\n"
       "  gdtslam simulate office-loop -o slow.mcap --laser lidar-360 --mirror-rate 5 --rate 5 --speed 0.8m/s\n"
       "  gdtslam simulate office-7f -o office-7f.log.gz --nod stop-and-scan --truth-hits\n"
+      "  gdtslam simulate two-levels -o two-levels.log.gz --sway 0.4deg,1cm --elevation-error 0.5deg\n"
       "  gdtslam simulate my-scene.yaml -o my.log --trajectory my-path.yaml --json");
   command->callback([chosen, &context] { context.run = [chosen] { return run_simulate(*chosen); }; });
 }

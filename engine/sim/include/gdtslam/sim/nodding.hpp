@@ -11,6 +11,7 @@
 
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/pose3.hpp"
+#include "gdtslam/core/random.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/sim/motion_plan.hpp"
 
@@ -39,9 +40,25 @@ struct EncoderFault {
   std::int64_t ticks = 0;
 };
 
+/// A smooth random curve of mean 0 and root mean square 1 over many turns: a sum of sine waves.
+struct SineSum {
+  struct Wave {
+    double amplitude = 0.0;
+    double frequency = 0.0;
+    double start_turns = 0.0;
+  };
+  std::vector<Wave> waves;
+
+  /// Waves of random phase. Only the ratios of the amplitudes count.
+  static SineSum with_phases(std::vector<Wave> waves, Random& random);
+  [[nodiscard]] double at(double x) const;
+};
+
 /// The true nodding mount and its encoder.
 struct NoddingModel {
-  calib::SweepModel truth;  ///< the real mount
+  calib::SweepModel truth;  ///< the real mount, but for elevation_error_rad
+  /// Root mean square, over a turn, of the true elevation minus that of `truth`: three harmonics of the crank angle.
+  double elevation_error_rad = 0.0;
   NodMode mode = NodMode::kContinuous;
   double crank_rate_hz = 0.15;                  ///< turns a second, while the crank turns
   double encoder_rate_hz = 100.0;               ///< messages a second
@@ -63,11 +80,13 @@ std::vector<Waypoint> with_scan_stops(const NoddingModel& model, const std::vect
 /// The mount during one drive.
 class NoddingCourse {
  public:
-  /// Throws ConfigError for violations in validate(), or if kStopAndScan finds no stop that is long enough.
-  NoddingCourse(const NoddingModel& model, const MotionPlan& plan);
+  /// The seed is that of the elevation's error. Throws ConfigError for violations in validate(), or if kStopAndScan
+  /// finds no stop that is long enough.
+  NoddingCourse(const NoddingModel& model, const MotionPlan& plan, std::uint64_t seed = 1);
 
   /// Monotonic; before 0 and after the plan's end the motion continues unchanged.
   [[nodiscard]] double crank_turns(double time_s) const;
+  /// The true one, with its error.
   [[nodiscard]] double elevation_rad(double time_s) const;
   /// Nearest whole tick, with the faults applied; empty if the message is missing.
   [[nodiscard]] std::optional<Encoder> message(double time_s) const;
@@ -85,6 +104,7 @@ class NoddingCourse {
   [[nodiscard]] double turns_in_steps(double time_s) const;
 
   NoddingModel model_;
+  SineSum elevation_error_;         ///< over turns of the crank, times the model's elevation_error_rad
   std::vector<Turning> stretches_;  ///< kStopAndScan only
 };
 

@@ -1,4 +1,5 @@
-// Parts of a simulated world: walls with doors and windows, boxes, cylinders and imported meshes; all become triangles.
+// Parts of a simulated world: walls with doors and windows, boxes, cylinders, imported meshes, and a floor with ramps,
+// plates and sills; all become triangles.
 // Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe, linear in the parts.
 #pragma once
 
@@ -83,20 +84,41 @@ struct Wall {
   }
 };
 
+/// A solid part of the floor, which a robot drives on. Its height follows a profile along its x axis, is the same
+/// across its width, and its underside is the floor under everything.
+struct FloorPart {
+  Point2 centre_m{0.0, 0.0};
+  double yaw_rad = 0.0;
+  double width_m = 1.0;           ///< along its y axis
+  std::vector<Point2> profile_m;  ///< (x from the centre, height in the map), x ascending; straight in between
+};
+
+/// A ramp between the middles of its two ends, each (x, y, height).
+FloorPart make_ramp(const Vec3& from_m, const Vec3& to_m, double width_m);
+/// A raised level floor.
+FloorPart make_plate(const Point2& centre_m, const Point2& size_m, double yaw_rad, double height_m);
+/// A rounded sill along a line, raised by a cosine: `width_m` across the line, `height_m` over `base_m`.
+FloorPart make_sill(const Point2& from_m, const Point2& to_m, double width_m, double height_m, double base_m);
+
+/// The floor's height at a place: the highest part there, else `floor_m`. Linear in the parts.
+double floor_height_m(const std::vector<FloorPart>& parts, double floor_m, const Point2& place_m);
+
 /// All parts of a scene.
 struct Scene {
   std::vector<Wall> walls;
   std::vector<Box> boxes;
   std::vector<Cylinder> cylinders;
-  std::vector<TriangleMesh> meshes;  ///< already in the map frame
-  std::optional<double> floor_m;     ///< height of a floor under everything
-  std::optional<double> ceiling_m;   ///< height of a ceiling over everything
+  std::vector<TriangleMesh> meshes;    ///< already in the map frame
+  std::vector<FloorPart> floor_parts;  ///< need floor_m, and lie on or above it
+  std::optional<double> floor_m;       ///< height of a floor under everything
+  std::optional<double> ceiling_m;     ///< height of a ceiling over everything
 };
 
 /// Faults of a part, one sentence each; empty if it can be built.
 std::vector<std::string> validate(const Box& box);
 std::vector<std::string> validate(const Cylinder& cylinder);
 std::vector<std::string> validate(const Wall& wall);
+std::vector<std::string> validate(const FloorPart& part);
 
 /// The boxes of a wall: pieces between the doors, lintels and door leaves.
 std::vector<Box> boxes_of(const Wall& wall);

@@ -18,12 +18,27 @@
 
 namespace gdtslam::sim {
 
+/// The robot's body on four wheels: the driven pair's track, `wheelbase` apart around the robot's centre. The body
+/// sways with the distance driven, as on an uneven floor, so a robot that stands is still.
+struct ChassisModel {
+  double wheelbase_m = 0.4;
+  double sway_tilt_rad = 0.0;      ///< standard deviation of roll and of pitch over the floor's
+  double sway_heave_m = 0.0;       ///< standard deviation of the height over the floor
+  double sway_wavelength_m = 3.0;  ///< shortest wavelength of the sway along the path; the longest is four times that
+};
+
+/// Every violation, one sentence each.
+std::vector<std::string> validate(const ChassisModel& chassis);
+
 /// The robot, its laser and its wheels.
 struct SimulationConfig {
   LaserModel laser;
   Pose2 T_base_laser;
   double laser_height_m = 0.3;
   WheelModel wheels;
+  ChassisModel chassis;
+  std::vector<FloorPart> floor_parts;  ///< those of the scene
+  double floor_m = 0.0;
   double scan_rate_hz = 10.0;
   double odometry_rate_hz = 20.0;  ///< 0: no odometry between the scans
   /// Stamp of a scan, its odometry and its truth: that of the first beam, as in ROS; else that of the middle. Not for a
@@ -37,14 +52,14 @@ struct SimulationConfig {
 /// Copies the laser's values that the nodding mount shares.
 void match_laser(SimulationConfig& config);
 
-/// Every violation, one sentence each, prefixed with its part: "laser: ...", "wheels: ...", "recording: ...", "nodding:
-/// ..."
+/// Every violation, one sentence each, prefixed with its part: "laser: ...", "wheels: ...", "chassis: ...", "recording:
+/// ...", "nodding: ..."
 std::vector<std::string> validate(const SimulationConfig& config);
 
 /// A recorded scan with its truth.
 struct SimulatedScan {
   ScanRecord record;
-  Pose2 T_map_base;                       ///< the truth, at the scan's stamp
+  Pose3 T_map_base;                       ///< the truth, at the scan's stamp
   double elevation_rad = 0.0;             ///< 0 without nodding
   double crank_turns = 0.0;               ///< from tick 0; 0 without nodding
   std::vector<BeamTruth> beams;           ///< hit of each beam
@@ -72,7 +87,7 @@ struct SimulationSummary {
   bool is_whole = true;  ///< false if the sink ended it
 };
 
-/// The true pose of the robot's centre.
+/// The true pose of the robot's centre in the plan.
 Pose2 base_pose(const WheelModel& wheels, const MotionState& state);
 
 /// Throws ConfigError for a drive of more than 100,000,000 records, because a short scene can request a log that fits
