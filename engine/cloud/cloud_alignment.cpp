@@ -33,7 +33,7 @@ constexpr double kPlaneThinning_m = 0.03;
 constexpr double kPlaneDistance_m = 0.3;
 constexpr double kRobust_m = 0.01;
 constexpr std::uint32_t kMostPlaneSteps = 100;
-constexpr std::uint32_t kPlanePoints = 8000;
+constexpr std::uint32_t kPlanePoints = 30'000;
 constexpr double kNear_m = 0.3;
 constexpr double kOnPlane_m = 0.05;
 constexpr double kElsewhere_m = 0.5;
@@ -151,8 +151,8 @@ CloudFit fit_at(const Pose3& T, const std::vector<Point3>& b, const Neighbours& 
     const std::optional<std::uint32_t> nearest = a.nearest(moved, kNear_m);
     if (!nearest) continue;
     ++overlapping;
-    const std::optional<Point3> normal = a.normal(*nearest, kPlaneNeighbours, kFlatAround);
-    if (normal) distances.push_back(std::fabs(normal->dot(moved - a.point(*nearest))));
+    const std::optional<Neighbours::Patch> patch = a.patch(*nearest, kPlaneNeighbours, kFlatAround);
+    if (patch) distances.push_back(std::fabs(patch->distance_m(moved)));
   }
   fit.overlap = static_cast<double>(overlapping) / static_cast<double>(b.size());
   if (distances.empty()) return fit;
@@ -184,7 +184,21 @@ struct Ending {
   CloudFit fit;
 };
 
-// From each start down to the finest cubes; the best fit first, after the first start if that is kept.
+// From a start down to the finest cubes, once through all sizes and once through the finer half: large cubes find the
+// way from afar, but along a corridor they may also lead away from a good start.
+Ending ending_from(const Pose3& start, const std::vector<Point3>& points, const std::vector<NdtCells>& levels,
+                   const Neighbours& neighbours, bool is_planar) {
+  Ending best;
+  for (const std::size_t first : {std::size_t{0}, levels.size() / 2}) {
+    Pose3 T = start;
+    for (std::size_t k = first; k < levels.size(); ++k) T = ndt_descent(T, points, levels[k], is_planar);
+    const Ending ending{T, fit_at(T, points, neighbours)};
+    if (first == 0 || ending.fit.score() > best.fit.score()) best = ending;
+  }
+  return best;
+}
+
+// From each start; the best fit first, after the first start if that is kept.
 std::vector<Ending> find_endings(std::span<const CloudPoint> a, const std::vector<Point3>& points,
                                  const Neighbours& neighbours, const AlignmentOptions& options, Backend& backend) {
   std::vector<AlignmentStart> starts = options.starts;
@@ -198,9 +212,7 @@ std::vector<Ending> find_endings(std::span<const CloudPoint> a, const std::vecto
   if (options.method == AlignmentMethod::kPlane) levels.clear();
   std::vector<Ending> endings;
   for (const AlignmentStart& start : starts) {
-    Pose3 T = start.T_a_b;
-    for (const NdtCells& level : levels) T = ndt_descent(T, points, level, options.is_planar);
-    endings.push_back({T, fit_at(T, points, neighbours)});
+    endings.push_back(ending_from(start.T_a_b, points, levels, neighbours, options.is_planar));
   }
   std::stable_sort(endings.begin() + (options.is_first_kept ? 1 : 0), endings.end(),
                    [](const Ending& x, const Ending& y) { return x.fit.score() > y.fit.score(); });

@@ -57,7 +57,7 @@ ThinnedCloud thinned(std::span<const CloudPoint> cloud, std::span<const std::uin
   if (all.empty()) return result;
   const Neighbours neighbours(result.means);
   for (const std::uint32_t k : all) {
-    result.normals.push_back(neighbours.normal(k, kNearCells, kFlatPlane).value_or(Point3::Zero()));
+    result.normals.push_back(neighbours.patch(k, kNearCells, kFlatPlane).value_or(Neighbours::Patch{}).normal);
   }
   return result;
 }

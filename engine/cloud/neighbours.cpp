@@ -93,7 +93,7 @@ std::vector<std::uint32_t> Neighbours::closest(const Point3& point, std::uint32_
   return found;
 }
 
-std::optional<Point3> Neighbours::normal(std::uint32_t k, std::uint32_t count, double flat) const {
+std::optional<Neighbours::Patch> Neighbours::patch(std::uint32_t k, std::uint32_t count, double flat) const {
   const std::vector<std::uint32_t> near = closest(point(k), count);
   if (near.size() < 5) return std::nullopt;
   Point3 mean = Point3::Zero();
@@ -104,7 +104,7 @@ std::optional<Point3> Neighbours::normal(std::uint32_t k, std::uint32_t count, d
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);
   if (!(extents[0] < flat * flat * extents[1])) return std::nullopt;
-  return Point3(solver.eigenvectors().col(0));
+  return Patch{mean, Point3(solver.eigenvectors().col(0))};
 }
 
 std::vector<std::uint32_t> Neighbours::within(const Point3& point, double distance_m) const {

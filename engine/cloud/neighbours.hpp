@@ -24,10 +24,15 @@ class Neighbours {
   /// All points within the distance, ascending.
   [[nodiscard]] std::vector<std::uint32_t> within(const Point3& point, double distance_m) const;
   [[nodiscard]] Point3 point(std::uint32_t k) const;
-  /// The unit normal, of either sign, of the least-squares plane of the `count` points closest to point k, including
-  /// itself. Empty for fewer than five, or if their extent along the normal is not below `flat` times the lesser of the
-  /// other two.
-  [[nodiscard]] std::optional<Point3> normal(std::uint32_t k, std::uint32_t count, double flat) const;
+  /// The least-squares plane of some points: their mean, and the unit normal, of either sign.
+  struct Patch {
+    Point3 mean = Point3::Zero();
+    Point3 normal = Point3::Zero();
+    [[nodiscard]] double distance_m(const Point3& at) const { return normal.dot(at - mean); }
+  };
+  /// The patch of the `count` points closest to point k, including itself. Empty for fewer than five, or if their
+  /// extent along the normal is not below `flat` times the lesser of the other two.
+  [[nodiscard]] std::optional<Patch> patch(std::uint32_t k, std::uint32_t count, double flat) const;
 
  private:
   struct Tree;

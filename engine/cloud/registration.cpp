@@ -22,25 +22,24 @@ constexpr double kStill_m = 1.0e-4;
 constexpr double kStill_rad = 2.0e-5;
 constexpr std::size_t kLeastPairs = 20;
 
-/// A cloud that others are registered to: its points, a search tree, and normals at the requested points.
+/// A cloud that others are registered to: its points, a search tree, and patches at the requested points.
 class Target {
  public:
   Target(std::span<const CloudPoint> cloud, std::uint32_t neighbours)
-      : neighbours_(cloud), normals_(cloud.size()), is_known_(cloud.size(), false), count_(neighbours) {}
+      : neighbours_(cloud), patches_(cloud.size()), is_known_(cloud.size(), false), count_(neighbours) {}
   [[nodiscard]] std::optional<std::uint32_t> nearest(const Point3& point, double within_m) const {
     return neighbours_.nearest(point, within_m);
   }
-  [[nodiscard]] Point3 point(std::uint32_t k) const { return neighbours_.point(k); }
-  /// Normal of a point; empty if the neighbourhood is not flat.
-  const std::optional<Point3>& normal(std::uint32_t k) {
-    if (!is_known_[k]) normals_[k] = neighbours_.normal(k, count_, kFlat);
+  /// Empty if the neighbourhood of a point is not flat.
+  const std::optional<Neighbours::Patch>& patch(std::uint32_t k) {
+    if (!is_known_[k]) patches_[k] = neighbours_.patch(k, count_, kFlat);
     is_known_[k] = true;
-    return normals_[k];
+    return patches_[k];
   }
 
  private:
   Neighbours neighbours_;
-  std::vector<std::optional<Point3>> normals_;
+  std::vector<std::optional<Neighbours::Patch>> patches_;
   std::vector<bool> is_known_;
   std::uint32_t count_;
 };
@@ -64,11 +63,11 @@ Equations equations_at(const Pose3& T, const std::vector<Point3>& source, Target
     const Point3 moved = T * p;
     const std::optional<std::uint32_t> k = target.nearest(moved, within_m);
     if (!k) continue;
-    const std::optional<Point3>& normal = target.normal(*k);
-    if (!normal) continue;
-    const double residual = normal->dot(moved - target.point(*k));
+    const std::optional<Neighbours::Patch>& patch = target.patch(*k);
+    if (!patch) continue;
+    const double residual = patch->distance_m(moved);
     Tangent3 row;
-    row << *normal, (moved - centre).cross(*normal);
+    row << patch->normal, (moved - centre).cross(patch->normal);
     const double share = robust_m > 0.0 ? 1.0 / (1.0 + residual * residual / (robust_m * robust_m)) : 1.0;
     const double weight = share * share;
     sums.information += weight * row * row.transpose();

@@ -41,8 +41,8 @@ std::vector<Point2> wall_plan(std::span<const CloudPoint> cloud) {
   const Neighbours neighbours(means);
   std::map<std::pair<std::int64_t, std::int64_t>, Column> columns;
   for (std::uint32_t k = 0; k < means.size(); ++k) {
-    const std::optional<Point3> normal = neighbours.normal(k, kNormalNeighbours, kFlatSurface);
-    if (!normal || std::fabs(normal->z()) > kMostUpwards) continue;
+    const std::optional<Neighbours::Patch> patch = neighbours.patch(k, kNormalNeighbours, kFlatSurface);
+    if (!patch || std::fabs(patch->normal.z()) > kMostUpwards) continue;
     const Point3 point = neighbours.point(k);
     Column& column = columns[{std::llround(point.x() / kCube_m), std::llround(point.y() / kCube_m)}];
     column.sum += point.head<2>();

@@ -48,13 +48,13 @@ TEST(RegisterClouds, RecoversAKnownMotion) {
   }
 }
 
-TEST(RegisterClouds, EqualCloudsNeedNoMotion) {
+TEST(RegisterClouds, EqualCloudsNeedNextToNoMotion) {
   const Cloud cloud = room_cloud(3, 0.01);
   const RegistrationResult found = register_clouds(cloud, cloud, {});
   EXPECT_TRUE(found.converged);
-  EXPECT_LT(shift_of(found.T_target_source), 1e-9);
-  EXPECT_LT(turn_of(found.T_target_source), 1e-9);
-  EXPECT_EQ(found.rms_m, 0.0);
+  EXPECT_LT(shift_of(found.T_target_source), 0.001);  // noisy points lie off the planes through their neighbours
+  EXPECT_LT(turn_of(found.T_target_source), 0.0005);
+  EXPECT_LT(found.rms_m, 0.01);  // the noise
 }
 
 TEST(RegisterClouds, SweepsOfOneRoomThatAreNotMovedAgree) {
