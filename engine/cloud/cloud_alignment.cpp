@@ -211,6 +211,7 @@ std::vector<Ending> find_endings(std::span<const CloudPoint> a, const std::vecto
   }
   if (options.method == AlignmentMethod::kPlane) levels.clear();
   std::vector<Ending> endings;
+  endings.reserve(starts.size());
   for (const AlignmentStart& start : starts) {
     endings.push_back(ending_from(start.T_a_b, points, levels, neighbours, options.is_planar));
   }
