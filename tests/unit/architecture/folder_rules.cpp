@@ -80,7 +80,7 @@ Arrows make_arrows() {
       {"engine/runs/keyframes", {}},
       {"engine/runs/drive", {"engine/runs/motion", "engine/runs/streams"}},
       {"engine/runs/localizer", {"engine/runs/folder", "engine/runs/streams"}},
-      {"engine/runs/registration", {}},
+      {"engine/runs/registration", {"engine/runs/keyframes"}},
       {"engine/runs/evaluation", {"engine/runs/streams"}},
       {"engine/runs/sites", {"engine/runs/drive", "engine/runs/folder", "engine/runs/keyframes", "engine/runs/tiles"}},
       {"engine/runs/fleet", {"engine/runs", "engine/runs/folder", "engine/runs/transaction"}},
