@@ -85,8 +85,8 @@ NdtPlace ndt_place_of_key(std::uint64_t key);
 /// square: what a cloud sampled from the cubes lacks at least.
 double plane_deviation_m(const NdtMap& map);
 
-/// Points on the flat patch of each cube, about `spacing_m` apart, as many as its two largest deviations need; the mean
-/// of a cube of one point. Sorted by place.
+/// Samples the flat patch of each cube with points about `spacing_m` apart, as many as its two largest deviations need.
+/// A cube of one point gives that point. Sorted by place.
 Cloud sample_cloud(const NdtMap& map, double spacing_m);
 
 /// The distributions of a map's cubes, prepared to match points with. Constant, thread-safe. Cost: 100 bytes a cube; a

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
+#include <array>
 #include <cstddef>
 #include <cstdlib>
 #include <string_view>
@@ -11,6 +10,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/referenced_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/runs/keyframes/bytes.hpp"
 #include "gdtslam/core/error.hpp"
@@ -82,11 +82,7 @@ void require_start(BytesIn& in) {
 
 }  // namespace
 
-bool is_ndt_file(const std::string& path) {
-  std::string ending = path.substr(path.size() - std::min<std::size_t>(path.size(), 4));
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending == ".ndt";
-}
+bool is_ndt_file(const std::string& path) { return extension_of(path) == ".ndt"; }
 
 std::uint64_t write_ndt(const std::string& path, const NdtMap& map) {
   const auto cubes = map.cubes();

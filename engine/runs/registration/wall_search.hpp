@@ -1,6 +1,6 @@
-// Where a cloud may lie in another one, without a start: the walls of both, seen from above, are matched at every place
-// and heading of the plane with the proof of find_pose(). Both clouds stand upright to a few degrees. Frames: those of
-// the clouds, metres. The same on every machine. Cost: some tenths of a second for a building floor.
+// Search for the places of a cloud in another one, without a start. The walls of both, seen from above, are matched at
+// every place and heading of the plane with the proof of find_pose(). Both clouds stand upright to a few degrees.
+// Frames: those of the clouds, metres. The same on every machine. Cost: some tenths of a second for a building floor.
 #pragma once
 
 #include <cstddef>

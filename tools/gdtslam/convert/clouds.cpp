@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 
 #include "engine/cloud/ndt_map.hpp"
+#include "engine/io/referenced_file.hpp"
 #include "engine/runs/registration/ndt_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -95,9 +95,8 @@ ConvertedClouds write_points(const std::vector<std::string>& inputs, const std::
 }  // namespace
 
 bool is_cloud_name(const std::string& path) {
-  std::string ending = path.substr(path.size() - std::min<std::size_t>(path.size(), 4));
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending == ".ply" || ending == ".pcd" || ending == ".ndt";
+  const std::string extension = extension_of(path);
+  return extension == ".ply" || extension == ".pcd" || extension == ".ndt";
 }
 
 ConvertedClouds convert_clouds(const std::vector<std::string>& inputs, const std::string& output, double cell_m,
