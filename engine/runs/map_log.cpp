@@ -148,6 +148,10 @@ class LogRun {
 
   // Reads what mapping needs before the first scan: the linkage of a laser that nods, else times of beams and odometry.
   void prepare(NodKind kind, ScanStream& scans) {
+    if (kind == NodKind::kNone && request_.settings.nodding.dof == PoseFreedom::kSpace) {
+      throw InputError(FilePosition{log_name(request_.logs.front()), 0},
+                       "does not tell how the laser nods, which poses in space (nod.dof 6) need");
+    }
     if (kind == NodKind::kNone) {
       const RunPreparation prepared = look_at_motion(request_, request_.logs.front());
       delay_ = prepared.delay;

@@ -16,9 +16,6 @@ bool is_positive(const Matrix3& factor) {
   return is_pivot(0) && is_pivot(1) && is_pivot(2);
 }
 
-constexpr int kMostDirections = 400;
-constexpr double kSolvedShare = 1.0e-8;  // share of the initial squared error, in the factor's norm
-
 double dot_product(const std::vector<Tangent2>& a, const std::vector<Tangent2>& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
@@ -211,15 +208,20 @@ void BlockCholesky::solve(std::vector<Tangent2>& right) const {
 }
 
 std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor) {
-  std::vector<Tangent2> solution(system.rows());
-  std::vector<Tangent2> residual = system.right;
+  return solve_near([&system](const std::vector<Tangent2>& v) { return product(system, v); }, system.right, factor, {});
+}
+
+std::vector<Tangent2> solve_near(const BlockProduct& times_system, const std::vector<Tangent2>& right,
+                                 const BlockCholesky& factor, const NearRules& rules) {
+  std::vector<Tangent2> solution(right.size());
+  std::vector<Tangent2> residual = right;
   std::vector<Tangent2> downhill = residual;
   factor.solve(downhill);
   std::vector<Tangent2> direction = downhill;
   double error = dot_product(residual, downhill);
-  const double small = kSolvedShare * error;
-  for (int step = 0; step < kMostDirections && error > small; ++step) {
-    const std::vector<Tangent2> changed = product(system, direction);
+  const double small = rules.share * error;
+  for (int step = 0; step < rules.most_steps && error > small; ++step) {
+    const std::vector<Tangent2> changed = times_system(direction);
     const double share = error / dot_product(direction, changed);
     add_times(solution, share, direction);
     add_times(residual, -share, changed);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -87,8 +88,20 @@ class BlockCholesky {
 // system [GolubVanLoan2013, section 11.5]; for graphs, a system of part of the edges [Dellaert2010]. Sums in a fixed
 // order, the same bits on every host. Cost: a product and a solution with the factor a step.
 
+/// When solve_near() ends.
+struct NearRules {
+  double share = 1.0e-8;  ///< of the initial squared error, in the factor's norm
+  int most_steps = 400;
+};
+
 /// Solves for system.right to a ten-thousandth, or as far as some hundred steps reach, each nearer than the last. An
 /// empty result means that the systems have values that are not finite.
 std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor);
+
+/// Multiplies a system with a vector.
+using BlockProduct = std::function<std::vector<Tangent2>(const std::vector<Tangent2>&)>;
+/// The same for a system that is known by its products alone.
+std::vector<Tangent2> solve_near(const BlockProduct& times_system, const std::vector<Tangent2>& right,
+                                 const BlockCholesky& factor, const NearRules& rules);
 
 }  // namespace gdtslam

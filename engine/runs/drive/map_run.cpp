@@ -10,6 +10,7 @@
 #include "engine/core/memory/sparing.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/nodding/horizontal_scans.hpp"
+#include "engine/runs/drive/space_path.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
@@ -53,24 +54,35 @@ struct MapRun::Nodding : CloudSink {
     NoddingConfig config = job.nodding;
     config.max_step_m = run.request_.settings.mapper.odometry.max_step_m;
     mapper.emplace(config, scanner, *run.mapper_, backend, *this, take, on_failure);
+    if (config.dof == PoseFreedom::kSpace) space.emplace(scanner.mount, on_failure.scratch_folder);
   }
 
   void add(std::span<const CloudPoint> points) override {
+    if (space) return space->add(points);
+    give(points);
+  }
+  void give(std::span<const CloudPoint> points) {
     if (cloud) cloud->add(points);
     sampler.add(points);
   }
-  NoddingOutcome finish(std::vector<LogReader::Warning>& warnings);
+  NoddingOutcome finish(const MapRequest& request, std::vector<LogReader::Warning>& warnings);
 
   NoddingScanner scanner;
   NoddingStream stream;
   std::unique_ptr<CloudOutput> cloud;
   SweepSampler sampler;
+  std::optional<SpacePath> space;  ///< with poses in space
   std::optional<NoddingMapper> mapper;
 };
 
-NoddingOutcome MapRun::Nodding::finish(std::vector<LogReader::Warning>& warnings) {
+NoddingOutcome MapRun::Nodding::finish(const MapRequest& request, std::vector<LogReader::Warning>& warnings) {
   NoddingOutcome outcome;
   outcome.statistics = mapper->statistics();
+  if (space) {
+    outcome.space = space->solve(threads_meant(request.on_failure.cpu.threads),
+                                 [&](double share) { request.closing("comparing strokes", share); });
+    space->give([this](std::span<const CloudPoint> points) { give(points); });
+  }
   outcome.check = sampler.finish();
   if (std::string doubt = outcome.check.doubt(); !doubt.empty()) {
     warnings.push_back({"sweeps that do not agree", 1, std::move(doubt)});
@@ -188,6 +200,7 @@ void MapRun::take_keyframe_scans() {
 }
 
 void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
+  if (nodding_->space) nodding_->space->take(pose, scan);
   if (pose.match) {
     take_match(*pose.match, pose.T_map_base, level_scan(scan, nodding_->scanner));
   } else {
@@ -279,8 +292,16 @@ void MapRun::finish() {
   outcome_.log_duration_s = last_s_ - first_s_;
   if (!nodding_) return;
   request_.finishing("the cloud");
-  outcome_.nodding = nodding_->finish(outcome_.warnings);
+  outcome_.nodding = nodding_->finish(request_, outcome_.warnings);
+  take_space_path();
   watch_.add_cpu_to(outcome_.cloud_cpu_s);
+}
+
+void MapRun::take_space_path() {
+  if (!outcome_.nodding->space) return;
+  for (std::size_t k = 0; k < outcome_.trajectory.size(); ++k) {
+    outcome_.trajectory[k].T_map_base = project(outcome_.nodding->space->T_map_base[k]);
+  }
 }
 
 MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& stop) {

@@ -139,6 +139,7 @@ class MapRun {
   void close_loops();
   void take_closed(ClosedPath path);
   void take_keyframe_scans();
+  void take_space_path();
   void require_a_map() const;
   void finish();
 

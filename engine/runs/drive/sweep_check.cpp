@@ -11,7 +11,6 @@
 namespace gdtslam {
 namespace {
 
-constexpr float kTurnedBack_rad = 0.05F;  // a stroke has ended when the elevation is this far behind its furthest
 constexpr double kLeastWeakest = 1.0e-2;  // least ratio of smallest to largest singular value for a reliable correction
 constexpr double kCell_m = 0.08;          // sweeps are compared by the means of their points in such cubes
 constexpr std::uint32_t kMostPoints = 1500;
@@ -37,26 +36,12 @@ double moved_m(const Pose3& T, const Cloud& cloud) {
 
 }  // namespace
 
-void SweepSampler::take_scan_elevation(float elevation_rad) {
-  if (!has_scan_) turning_rad_ = elevation_rad;
-  const float step = elevation_rad - turning_rad_;
-  if (stroke_ == 0 || step * static_cast<float>(stroke_) >= 0.0F) {
-    if (stroke_ == 0 && std::fabs(step) > kTurnedBack_rad) stroke_ = step > 0.0F ? 1 : -1;
-    if (stroke_ != 0) turning_rad_ = elevation_rad;
-    return;
-  }
-  if (std::fabs(step) <= kTurnedBack_rad) return;
-  stroke_ = -stroke_;
-  turning_rad_ = elevation_rad;
-  close_sweep();
-}
-
 // Every n-th point, n doubled when the sample is full.
 void SweepSampler::add(std::span<const CloudPoint> points) {
   if (!config_.is_on) return;
   for (const CloudPoint& point : points) {
     if (!has_scan_ || point.scan != scan_) {
-      take_scan_elevation(point.elevation_rad);
+      if (stroke_ends_.take(point.elevation_rad)) close_sweep();
       has_scan_ = true;
       scan_ = point.scan;
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/cloud/registration.hpp"
+#include "engine/mapping/strokes/stroke_ends.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/runs/outcome.hpp"
 
@@ -29,7 +30,6 @@ class SweepSampler {
   SweepCheck finish();
 
  private:
-  void take_scan_elevation(float elevation_rad);
   void close_sweep();
 
   SweepCheckConfig config_;
@@ -40,8 +40,7 @@ class SweepSampler {
   std::uint64_t seen_ = 0;
   std::uint32_t scan_ = 0;
   bool has_scan_ = false;
-  float turning_rad_ = 0.0F;  ///< elevation of the farthest scan of this stroke
-  int stroke_ = 0;
+  StrokeEnds stroke_ends_;
   Point3 drift_m_ = Point3::Zero();
   Eigen::Vector3d drift_rad_ = Eigen::Vector3d::Zero();
   SweepCheck outcome_;

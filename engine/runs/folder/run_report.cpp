@@ -10,6 +10,7 @@
 #include "engine/core/quantile.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/io/logs/tum_row.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/mapping/map/store/field_store.hpp"
 #include "engine/runs/folder/loop_files.hpp"
@@ -94,6 +95,33 @@ Json check_json(const SweepCheck& check) {
           {"wall_s", check.wall_s}};
 }
 
+Json six_json(const Tangent3& six) {
+  return {{"x_m", six[0]},
+          {"y_m", six[1]},
+          {"z_m", six[2]},
+          {"about_x_deg", deg_from_rad(six[3])},
+          {"about_y_deg", deg_from_rad(six[4])},
+          {"about_z_deg", deg_from_rad(six[5])}};
+}
+
+Json space_json(const SpaceOutcome& space) {
+  Json elevations = Json::array();
+  for (const double knot_rad : space.elevation_knots_rad) elevations.push_back(deg_from_rad(knot_rad));
+  return {{"surfels", space.surfels},
+          {"pairs", space.pairs},
+          {"rms_before_m", space.rms_before_m},
+          {"rms_m", space.rms_m},
+          {"rms_correction", six_json(space.rms_correction)},
+          {"sigma",
+           {{"z_m", space.sigma[2]},
+            {"about_x_deg", deg_from_rad(space.sigma[3])},
+            {"about_y_deg", deg_from_rad(space.sigma[4])}}},
+          {"elevation_from_deg", deg_from_rad(space.lowest_rad)},
+          {"elevation_to_deg", deg_from_rad(space.highest_rad)},
+          {"elevation_correction_deg", std::move(elevations)},
+          {"wall_s", space.wall_s}};
+}
+
 Json nodding_json(const NoddingJob& job, const NoddingOutcome& outcome) {
   const NoddingStatistics& statistics = outcome.statistics;
   const CloudSummary& cloud = outcome.cloud;
@@ -110,6 +138,7 @@ Json nodding_json(const NoddingJob& job, const NoddingOutcome& outcome) {
             {"smooth_s", statistics.smooth_s},
             {"assemble_s", statistics.assemble_s},
             {"sweep_check", check_json(outcome.check)}};
+  if (outcome.space) json["space"] = space_json(*outcome.space);
   if (outcome.has_cloud) {
     json["cloud"] = {{"measured", cloud.measured},
                      {"after_thinning", cloud.thinned},
@@ -290,13 +319,22 @@ WrittenField write_run_tiles(RunFolder& folder, const MapRequest& request, RunTi
   return {.geometry = tiles_geometry(made.index), .sha256 = sha256_of(made.index), .tiles = made.index.tiles.size()};
 }
 
+// In space, if it has such poses.
+void write_trajectory(const std::string& path, const MapOutcome& outcome) {
+  if (!outcome.nodding || !outcome.nodding->space) return write_tum(path, outcome.trajectory);
+  const std::vector<Pose3>& poses = outcome.nodding->space->T_map_base;
+  std::string rows;
+  for (std::size_t k = 0; k < poses.size(); ++k) rows += tum_row(outcome.trajectory[k].stamp_s, poses[k]);
+  write_file_atomically(path, rows);
+}
+
 WrittenHashes write_run_files(RunFolder& folder, const MapRequest& request, RunTimes& times, MapOutcome& outcome,
                               const GraphLines* graph) {
   const auto tell = [&request](const char* what) {
     if (request.finishing) request.finishing(what);
   };
   tell("trajectory.tum");
-  write_tum(folder.staged("trajectory.tum"), outcome.trajectory);
+  write_trajectory(folder.staged("trajectory.tum"), outcome);
   write_path_facts(folder, outcome, graph);
   times.add("write_path");
   write_run_pictures(folder, request, outcome);

@@ -61,6 +61,7 @@ Arrows make_arrows() {
       {"engine/mapping/graph", {}},
       {"engine/mapping/nodding",
        {"engine/mapping/match", "engine/mapping/cost", "engine/mapping/graph", "engine/mapping/map"}},
+      {"engine/mapping/strokes", {"engine/mapping/graph"}},
       {"engine/mapping/match",
        {"engine/mapping/certified", "engine/mapping/cost", "engine/mapping/graph", "engine/mapping/map",
         "engine/mapping/wheels"}},

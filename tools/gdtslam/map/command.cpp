@@ -36,6 +36,7 @@ struct MapOptions {
   std::vector<std::string> logs;
   std::string folder;  ///< empty: runs/<log>-<UTC time>
   std::string matcher;
+  std::string dof;
   SettingsOptions settings;
   DeviceOptions device;
   ScanRange range;
@@ -53,17 +54,22 @@ struct MapOptions {
   bool quiet = false;
 };
 
-// --matcher is short for --set match.matcher. If both are given they must agree.
+// An option that is short for --set PATH=VALUE. If both are given they must agree.
+void add_setting(const std::string& option, const std::string& path, const std::string& value,
+                 std::vector<std::string>& sets) {
+  if (value.empty()) return;
+  const std::string stated = path + "=" + value;
+  for (const std::string& set : sets) {
+    if (!set.starts_with(path + "=") || set == stated) continue;
+    throw UsageError(fmt::format("{} {} contradicts --set {}: give one of them", option, value, set));
+  }
+  sets.push_back(stated);
+}
+
 Settings read_settings(const MapOptions& options) {
   SettingsOptions settings = options.settings;
-  if (!options.matcher.empty()) {
-    const std::string stated = "match.matcher=" + options.matcher;
-    for (const std::string& set : settings.sets) {
-      if (!set.starts_with("match.matcher=") || set == stated) continue;
-      throw UsageError(fmt::format("--matcher {} contradicts --set {}: give one of them", options.matcher, set));
-    }
-    settings.sets.push_back(stated);
-  }
+  add_setting("--matcher", "match.matcher", options.matcher, settings.sets);
+  add_setting("--dof", "nod.dof", options.dof, settings.sets);
   Settings loaded = load_settings(settings);
   state_recording(options.recording, loaded.log);
   return loaded;
@@ -100,6 +106,24 @@ std::string summary_text(const MapOutcome& outcome, const std::string& folder, d
       waited_s > 0.0 ? outcome.log_duration_s / waited_s : 0.0, device_work_text(outcome), folder);
 }
 
+// Height and tilt of the robot, with their uncertainty.
+std::string as_text(const SpaceOutcome& space) {
+  const Tangent3& found = space.rms_correction;
+  const auto part = [&](const char* name, Eigen::Index k) {
+    return fmt::format("{} {:.2f} ± {:.2f} deg", name, deg_from_rad(found[k]), deg_from_rad(space.sigma[k]));
+  };
+  std::string text =
+      fmt::format("\n    in space: height {:.1f} ± {:.1f} mm, {}, {} (root mean squares)", 1000.0 * found[2],
+                  1000.0 * space.sigma[2], part("turns about x", 3), part("about y", 4));
+  text += fmt::format("; surfaces of strokes {:.1f} mm apart, before {:.1f}", 1000.0 * space.rms_m,
+                      1000.0 * space.rms_before_m);
+  const auto [low, high] = std::minmax_element(space.elevation_knots_rad.begin(), space.elevation_knots_rad.end());
+  if (*high > *low) {
+    text += fmt::format("\n    elevation corrected by {:.2f} to {:.2f} deg", deg_from_rad(*low), deg_from_rad(*high));
+  }
+  return text;
+}
+
 std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
   const NoddingStatistics& n = nodding.statistics;
   std::string text = fmt::format("3D: linkage {}; {}, {} fixed the pose, {} posed between two fixes", linkage,
@@ -110,6 +134,7 @@ std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
   if (nodding.has_cloud) {
     text += fmt::format("\n    {} points measured, {} in cloud.ply", nodding.cloud.measured, nodding.cloud.written);
   }
+  if (nodding.space) text += as_text(*nodding.space);
   if (const SweepCheck& check = nodding.check; check.pairs > 0) {
     text += fmt::format("\n    {} of {} sweeps held against the one before: {:.1f} mm and {:.3f} deg apart on average",
                         check.pairs, check.pairs + check.not_held, 1000.0 * check.mean_shift_m,
@@ -193,8 +218,8 @@ void check_continued(const CLI::App& command, const MapOptions& options) {
     return;
   }
   for (const char* name :
-       {"--config", "--set", "--matcher", "--linkage", "--lenient", "--topic", "--odom", "--crank", "--mount", "--skip",
-        "--first", "--no-cloud", "--no-map", "--no-loops", "--no-pictures", "--mcap"}) {
+       {"--config", "--set", "--matcher", "--dof", "--linkage", "--lenient", "--topic", "--odom", "--crank", "--mount",
+        "--skip", "--first", "--no-cloud", "--no-map", "--no-loops", "--no-pictures", "--mcap"}) {
     if (command.count(name) == 0) continue;
     throw UsageError(fmt::format("{}: a run that is continued keeps its configuration and parts: leave it out", name));
   }
@@ -269,6 +294,12 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "Linkage of a nodding laser: a preset ('gdtslam linkage --list') or a file. Without it the file\n"
                    "LOG.linkage.yaml beside the log (LOG without its endings) is taken, else the preset paper-b")
       ->type_name("NAME|FILE");
+  offer_words(command
+                  ->add_option("--dof", options->dof,
+                               "With a nodding laser: 6 also finds height, roll and pitch of the robot; short for\n"
+                               "--set nod.dof=N (default: 3)")
+                  ->type_name("N"),
+              {"3", "6"});
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
   command->add_flag("--no-map", options->no_map,
                     "Do not cast the occupancy map, nor write map.pgm, map.yaml and the pictures of it");

@@ -44,6 +44,10 @@ struct SmootherConfig {
   std::int32_t iterations = 4;
 };
 
+/// The poses that are found: x, y and heading, or also height, roll and pitch, by the surfaces that strokes have in
+/// common, once the log has ended.
+enum class PoseFreedom : std::uint8_t { kPlane, kSpace };
+
 /// How scans of a nodding laser are used.
 struct NoddingConfig {
   double horizontal_rad = 0.017453292519943295;  ///< a scan fixes the pose if all its elevations lie within this
@@ -52,6 +56,7 @@ struct NoddingConfig {
   double max_step_m = 5.0;             ///< OdometryConfig::max_step_m of the run, applied here between all scans
   SweepForm form = SweepForm::kWorking;
   SmootherConfig smoother;
+  PoseFreedom dof = PoseFreedom::kPlane;
   double max_blind_s = 60.0;  ///< after this long without a horizontal scan a warning is given
 };
 

@@ -10,6 +10,7 @@
 
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/pose3.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
@@ -82,9 +83,25 @@ struct SweepCheck {
   [[nodiscard]] std::string doubt() const;
 };
 
+/// Poses in space, found by the surfaces that strokes of the mount have in common.
+struct SpaceOutcome {
+  std::vector<Pose3> T_map_base;            ///< one for each pose of the trajectory
+  std::vector<double> elevation_knots_rad;  ///< corrections of the elevation, evenly from the lowest to the highest
+  double lowest_rad = 0.0;
+  double highest_rad = 0.0;
+  std::size_t surfels = 0;
+  std::size_t pairs = 0;      ///< of surfels
+  double rms_before_m = 0.0;  ///< distances of surfels from their partners' planes, with the planar path
+  double rms_m = 0.0;
+  Tangent3 rms_correction = Tangent3::Zero();  ///< of the planar path: x, y, z, turns about x, y, z
+  Tangent3 sigma = Tangent3::Zero();           ///< half way, from the start: z and turns about x, y
+  double wall_s = 0.0;
+};
+
 /// Additional results for a nodding log.
 struct NoddingOutcome {
   NoddingStatistics statistics;
+  std::optional<SpaceOutcome> space;  ///< with nod.dof 6
   CloudSummary cloud;
   bool has_cloud = false;
   SweepCheck check;

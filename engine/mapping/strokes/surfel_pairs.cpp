@@ -1,0 +1,98 @@
+#include "surfel_pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+
+namespace gdtslam {
+namespace {
+
+using Bucket = std::array<std::int64_t, 3>;
+
+std::uint64_t bucket_key(const Bucket& bucket) {
+  const auto bits = [](std::int64_t index) { return static_cast<std::uint64_t>(index + 0x100000) & 0x1fffffU; };
+  return bits(bucket[0]) << 42U | bits(bucket[1]) << 21U | bits(bucket[2]);
+}
+
+/// Surfels by the cube that their means lie in.
+class Buckets {
+ public:
+  Buckets(std::span<const Surfel> surfels, double edge_m) : edge_m_(edge_m) {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed;
+    keyed.reserve(surfels.size());
+    for (std::size_t k = 0; k < surfels.size(); ++k) {
+      keyed.emplace_back(bucket_key(bucket_at(surfels[k].mean)), static_cast<std::uint32_t>(k));
+    }
+    std::sort(keyed.begin(), keyed.end());
+    for (std::size_t begin = 0; begin < keyed.size();) {
+      std::size_t end = begin;
+      for (; end < keyed.size() && keyed[end].first == keyed[begin].first; ++end) order_.push_back(keyed[end].second);
+      ranges_.emplace(keyed[begin].first, std::pair(begin, end));
+      begin = end;
+    }
+  }
+  [[nodiscard]] Bucket bucket_at(const Point3& point) const {
+    return {std::llround(std::floor(point.x() / edge_m_)), std::llround(std::floor(point.y() / edge_m_)),
+            std::llround(std::floor(point.z() / edge_m_))};
+  }
+  [[nodiscard]] std::span<const std::uint32_t> in(const Bucket& bucket) const {
+    const auto found = ranges_.find(bucket_key(bucket));
+    if (found == ranges_.end()) return {};
+    return std::span(order_).subspan(found->second.first, found->second.second - found->second.first);
+  }
+
+ private:
+  double edge_m_;
+  std::vector<std::uint32_t> order_;
+  std::unordered_map<std::uint64_t, std::pair<std::size_t, std::size_t>> ranges_;
+};
+
+/// A candidate, the nearest first; of equal ones the earlier.
+struct Partner {
+  double sq_distance = 0.0;
+  std::uint32_t index = 0;
+  friend auto operator<=>(const Partner&, const Partner&) = default;
+};
+
+void find_partners(std::span<const Surfel> surfels, const Surfel& surfel, const Buckets& buckets,
+                   const SurfelPairRules& rules, std::vector<Partner>& partners) {
+  partners.clear();
+  const Bucket middle = buckets.bucket_at(surfel.mean);
+  for (std::int64_t x = -1; x <= 1; ++x) {
+    for (std::int64_t y = -1; y <= 1; ++y) {
+      for (std::int64_t z = -1; z <= 1; ++z) {
+        for (const std::uint32_t k : buckets.in({middle[0] + x, middle[1] + y, middle[2] + z})) {
+          const Surfel& other = surfels[k];
+          const double sq_distance = (other.mean - surfel.mean).squaredNorm();
+          if (other.stroke == surfel.stroke || sq_distance > rules.within_m * rules.within_m) continue;
+          if (other.normal.dot(surfel.normal) < rules.alike) continue;
+          partners.push_back({sq_distance, k});
+        }
+      }
+    }
+  }
+  std::sort(partners.begin(), partners.end());
+}
+
+}  // namespace
+
+std::vector<SurfelPair> find_surfel_pairs(std::span<const Surfel> surfels, const SurfelPairRules& rules) {
+  const Buckets buckets(surfels, rules.within_m);
+  std::vector<SurfelPair> pairs;
+  std::vector<Partner> partners;
+  for (std::size_t begin = 0; begin < surfels.size();) {
+    std::size_t end = begin;
+    while (end < surfels.size() && surfels[end].stroke == surfels[begin].stroke) ++end;
+    const std::size_t every = (end - begin + rules.most_of_a_stroke - 1) / rules.most_of_a_stroke;
+    for (std::size_t k = begin; k < end; k += every) {
+      find_partners(surfels, surfels[k], buckets, rules, partners);
+      const std::size_t count = std::min(partners.size(), rules.most);
+      for (std::size_t n = 0; n < count; ++n) pairs.emplace_back(static_cast<std::uint32_t>(k), partners[n].index);
+    }
+    begin = end;
+  }
+  return pairs;
+}
+
+}  // namespace gdtslam
