@@ -277,7 +277,7 @@ std::vector<Option> option_table(NoddingConfig& config) {
       {"nod.dof",
        "Numbers of a pose that are found: 3, or 6 with height, roll and pitch, for floors with ramps and sills and for "
        "robots that sway",
-       Unit::kNone, 0, 0, Choice(config.dof, kFreedoms)},
+       Unit::kNone, 0, 0, Choice(config.dof, kFreedoms), kAdvanced},
       {"nod.max_blind", "Time without a horizontal scan after which poses come from the odometry alone", Unit::kSecond,
        0.1, 3600.0, &config.max_blind_s, kAdvanced},
   };

@@ -48,12 +48,8 @@ class Buckets {
   std::unordered_map<std::uint64_t, std::pair<std::size_t, std::size_t>> ranges_;
 };
 
-/// A candidate, the nearest first; of equal ones the earlier.
-struct Partner {
-  double sq_distance = 0.0;
-  std::uint32_t index = 0;
-  friend auto operator<=>(const Partner&, const Partner&) = default;
-};
+/// Squared distance and index of a candidate; in this order the nearest comes first.
+using Partner = std::pair<double, std::uint32_t>;
 
 void find_partners(std::span<const Surfel> surfels, const Surfel& surfel, const Buckets& buckets,
                    const SurfelPairRules& rules, std::vector<Partner>& partners) {
@@ -67,7 +63,7 @@ void find_partners(std::span<const Surfel> surfels, const Surfel& surfel, const 
           const double sq_distance = (other.mean - surfel.mean).squaredNorm();
           if (other.stroke == surfel.stroke || sq_distance > rules.within_m * rules.within_m) continue;
           if (other.normal.dot(surfel.normal) < rules.alike) continue;
-          partners.push_back({sq_distance, k});
+          partners.emplace_back(sq_distance, k);
         }
       }
     }
@@ -88,7 +84,7 @@ std::vector<SurfelPair> find_surfel_pairs(std::span<const Surfel> surfels, const
     for (std::size_t k = begin; k < end; k += every) {
       find_partners(surfels, surfels[k], buckets, rules, partners);
       const std::size_t count = std::min(partners.size(), rules.most);
-      for (std::size_t n = 0; n < count; ++n) pairs.emplace_back(static_cast<std::uint32_t>(k), partners[n].index);
+      for (std::size_t n = 0; n < count; ++n) pairs.emplace_back(static_cast<std::uint32_t>(k), partners[n].second);
     }
     begin = end;
   }
