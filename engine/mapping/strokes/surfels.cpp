@@ -50,7 +50,8 @@ std::optional<Surfel> fit_surfel(std::span<const KeyedPoint> cell, const std::ve
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance / count);
   const Eigen::Vector3d& variances = axes.eigenvalues();
-  if (!(variances[0] < options.flat * variances[1] && variances[0] < options.thick_m * options.thick_m)) {
+  const double sq_thick = options.thick_m * options.thick_m;
+  if (!(variances[0] < options.flat * variances[1] && variances[0] < sq_thick && variances[1] > sq_thick)) {
     return std::nullopt;
   }
   surfel.normal = axes.eigenvectors().col(0);
