@@ -10,7 +10,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kKnotStep_s = 0.5;
-constexpr double kLongestStep_s = 1.0;  // a longer gap between scans, or a clock set back, counts as this
+constexpr double kLongestGap_s = 1.0;  // a longer gap between scans, or a clock set back, counts as this
 
 Point3 space_point(const Point2& point) { return {point.x(), point.y(), 0.0}; }
 
@@ -21,10 +21,11 @@ PathCorrection::PathCorrection(PlanarPath path, double lowest_rad, double highes
       path_(std::move(path)),
       lowest_rad_(lowest_rad),
       elevation_step_rad_(std::max(highest_rad - lowest_rad, 1.0e-3) / static_cast<double>(kKnotsOfAStroke - 1)) {
+  if (path_.strokes.empty()) path_.strokes.push_back({path_.first_scan, true});
   double now_s = 0.0;
   for (std::size_t k = 0; k < path_.poses.size(); ++k) {
     const double step_s = k == 0 ? 0.0 : path_.poses[k].stamp_s - path_.poses[k - 1].stamp_s;
-    now_s += step_s >= 0.0 && step_s <= kLongestStep_s ? step_s : kLongestStep_s;
+    now_s += step_s >= 0.0 && step_s <= kLongestGap_s ? step_s : kLongestGap_s;
     scan_s_.push_back(k == 0 ? 0.0 : now_s);
     if (knot_s_.empty() || scan_s_.back() - knot_s_.back() >= kKnotStep_s) {
       knot_s_.push_back(scan_s_.back());

@@ -20,7 +20,7 @@ struct PlanarPath {
   Trajectory poses;              ///< one a scan
   std::uint32_t first_scan = 0;  ///< number of the first pose's scan
   Point3 axis_base_m = Point3::Zero();
-  std::vector<Stroke> strokes;  ///< in log order, at least one
+  std::vector<Stroke> strokes{};  ///< in log order; none: all is one rising stroke
 };
 
 class PathCorrection {

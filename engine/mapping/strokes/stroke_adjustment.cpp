@@ -22,6 +22,7 @@ constexpr int kFirstEstimate = 4;               // iteration from which on varia
 // true tilts lose a third.
 constexpr double kFoundShare = 1.3;
 constexpr double kLeastTiltStep_rad = 1.0e-4;
+constexpr double kSmooth = 4.0;                 // neighbours among the elevations differ by half of their size
 constexpr double kLeastElevation_rad = 1.0e-3;  // smaller corrections are left out
 constexpr std::uint32_t kFirstStrokes = 10;
 constexpr double kAround_m = 4.0;  // an error of the elevation tells little as near as this
@@ -111,6 +112,7 @@ class StrokeProblem {
   void add_elevations();
 
   StrokeAdjustmentOptions options_;
+  const double most_elevation_rad_ = options_.elevation_rad;
   PathCorrection& correction_;
   const std::vector<Surfel>& surfels_;
   std::vector<Surfel> now_;
@@ -212,10 +214,18 @@ void StrokeProblem::add_steps(std::size_t k) {
   rows_.add({height}, 1.0 / (square(options_.height_step_m) * step_s), change[2] + by_turn.dot(turns));
 }
 
+// Small and smooth.
 void StrokeProblem::add_elevations() {
   for (std::size_t k = 0; k < PathCorrection::kElevationKnots; ++k) {
     const RowEntry one = entry(blocks_.elevation(k), unit(k % 3));
-    rows_.add({std::span(&one, 1)}, 1.0 / square(options_.elevation_rad), correction_.elevation_knots_rad[k]);
+    const double weight = 1.0 / square(options_.elevation_rad);
+    rows_.add({std::span(&one, 1)}, weight, correction_.elevation_knots_rad[k]);
+    if ((k + 1) % PathCorrection::kKnotsOfAStroke == 0) continue;
+    const std::array both{entry(blocks_.elevation(k), unit(k % 3, -1.0)),
+                          entry(blocks_.elevation(k + 1), unit((k + 1) % 3))};
+    const std::span<const RowEntry> pieces(both);
+    rows_.add({pieces.first(1), pieces.last(1)}, kSmooth * weight,
+              correction_.elevation_knots_rad[k + 1] - correction_.elevation_knots_rad[k]);
   }
 }
 
@@ -281,7 +291,8 @@ void StrokeProblem::estimate_variances() {
   if (!options_.with_elevation) return;
   squares = 0.0;
   for (const double knot_rad : correction_.elevation_knots_rad) squares += square(knot_rad);
-  options_.elevation_rad = std::sqrt(squares / static_cast<double>(PathCorrection::kElevationKnots));
+  options_.elevation_rad =
+      std::min(most_elevation_rad_, std::sqrt(squares / static_cast<double>(PathCorrection::kElevationKnots)));
   if (options_.elevation_rad >= kLeastElevation_rad) return;
   options_.with_elevation = false;
   std::fill(correction_.elevation_knots_rad.begin(), correction_.elevation_knots_rad.end(), 0.0);

@@ -9,17 +9,19 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFarthest_m = 1.0e5;  // keys have 21 bits an axis for cells of 10 cm
+constexpr double kFarthestPoint_m = 1.0e5;  // keys have 21 bits an axis for cells of 10 cm
 
+// Along z the cells begin half an edge below 0: a floor there does not lie between two cells.
 std::uint64_t cell_key(const CloudPoint& point, double cell_m) {
-  const auto index = [cell_m](float coordinate_m) {
-    return static_cast<std::uint64_t>(std::floor(static_cast<double>(coordinate_m) / cell_m) + 0x100000) & 0x1fffffU;
+  const auto index = [cell_m](double coordinate_m) {
+    return static_cast<std::uint64_t>(std::floor(coordinate_m / cell_m) + 0x100000) & 0x1fffffU;
   };
-  return index(point.x_m) << 42U | index(point.y_m) << 21U | index(point.z_m);
+  return index(static_cast<double>(point.x_m)) << 42U | index(static_cast<double>(point.y_m)) << 21U |
+         index(static_cast<double>(point.z_m) + 0.5 * cell_m);
 }
 
 bool is_near(const CloudPoint& point) {
-  const auto is_within = [](float value) { return std::fabs(static_cast<double>(value)) < kFarthest_m; };
+  const auto is_within = [](float value) { return std::fabs(static_cast<double>(value)) < kFarthestPoint_m; };
   return is_within(point.x_m) && is_within(point.y_m) && is_within(point.z_m);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCell_m = 0.5;
 // The middle of a cell.
-const Point3 kMiddle(2.25, -1.75, 0.75);
+const Point3 kMiddle(2.25, -1.75, 1.0);
 
 std::vector<Surfel> surfels_of(const Cloud& cloud) {
   SurfelCollector collector({.cell_m = kCell_m});
@@ -54,7 +54,7 @@ TEST(SurfelCollector, APlaneInACellIsOneSurfelWithItsNormalAndMean) {
 TEST(SurfelCollector, ACornerOrABallOrFewPointsAreNone) {
   Random random(2);
   Cloud corner;
-  for (const Point3& normal : {Point3::UnitX(), Point3::UnitY(), Point3::UnitZ()}) {
+  for (const Point3& normal : {Point3(1, 0, 0), Point3(0, 1, 0), Point3(0, 0, 1)}) {
     const Point3 side(normal.y(), normal.z(), normal.x());
     test::strew(corner, {kMiddle, 0.2 * side, 0.2 * normal.cross(side)}, 100, 0.002, random);
   }
