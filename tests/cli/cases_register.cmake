@@ -10,3 +10,4 @@ gdtslam_cli_test(register.method ARGS register {data}/few.ply {data}/few.ply --m
 gdtslam_cli_test(register.dof ARGS register {data}/few.ply {data}/few.ply --dof 4 EXIT 2 STDERR "--dof")
 gdtslam_cli_test(register.start ARGS register {data}/few.ply {data}/few.ply --start 1m,2m EXIT 2 STDERR "--start: '1m,2m' is not X,Y,Z,ROLL,PITCH,YAW")
 gdtslam_cli_test(register.output ARGS register {data}/few.ply {data}/few.ply -o out.txt EXIT 2 STDERR "out.txt")
+gdtslam_cli_test(register.picture ARGS register {data}/few.ply {data}/few.ply --picture out.bmp EXIT 2 STDERR "--picture: 'out.bmp' does not say what to write")

@@ -89,7 +89,7 @@ def linkage_pictures():
     expect((folder / "b.PDF").read_bytes() == (folder / "again.pdf").read_bytes(), "two PDFs differ")
     expect((folder / "b.PDF").read_bytes().startswith(b"%PDF-1."), "no PDF")
     for arguments in (["linkage", "paper-b"], ["calibrate", folder / "missing.log", "-o", folder / "l.yaml"],
-                      ["evaluate", folder / "missing.ply", "--boxes"]):
+                      ["evaluate", folder / "missing.ply", "--boxes"], ["register", folder / "missing.ply", folder / "missing.ply"]):
         process = command(*arguments, "--picture", folder / "b.bmp")
         expect_exit(process, 2)  # before anything is read
         cli.one_error_line(process.stderr)

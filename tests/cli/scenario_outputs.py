@@ -102,6 +102,7 @@ def outputs_that_exist_stay():
         (("localize", RUN, log, "--track", "--changes", "a.svg"), "a.csv"), (("evaluate", places, "--planes", "--csv", "a.csv"), "a.csv"),
         (("evaluate", places, "--boxes", "--picture", "a.svg"), "a.svg"), ((*evaluated, "--csv", "a.csv"), "a.csv"),
         (("register", cli.DATA / "room.ply", cli.DATA / "room_moved.ply", "-o", "a.ply"), "a.ply"),
+        (("register", cli.DATA / "room.ply", cli.DATA / "room_moved.ply", "--picture", "a.png"), "a.png"),
         (("calibrate", log, "-o", "a.yaml"), "a.yaml"), (("calibrate", log, "-o", "b.yaml", "--picture", "a.svg"), "a.svg"),
         (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.log"), (("simulate", "wall", "--rate", 1, "-q", "-o", "a.log"), "a.truth.tum"),
         (("verify", "--write-expected", "a.json"), "a.json"), (("render", RUN, "--view", "map", "--size", "64x64", "-o", "a.png"), "a.png"),

@@ -36,6 +36,7 @@ import scenario_nodding_runs
 import scenario_one_thing
 import scenario_outputs
 import scenario_printing
+import scenario_register
 import scenario_render
 import scenario_render_faults
 import scenario_render_formats
@@ -54,7 +55,7 @@ MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, sc
            scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_failures, scenario_live_folder, scenario_live_inputs, scenario_live_page, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge,
            scenario_nodding,
-           scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_outputs, scenario_printing, scenario_render,
+           scenario_nodding_faults, scenario_nodding_runs, scenario_one_thing, scenario_outputs, scenario_printing, scenario_register, scenario_render,
            scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_results, scenario_same_bytes,
            scenario_shell, scenario_signals, scenario_slurm, scenario_surroundings,
            scenario_tilt3d, scenario_tiles, scenario_tracking)

@@ -130,4 +130,16 @@ void draw_scale_bar(Canvas& canvas, const ScaleBar& bar, const Point2& start, co
                .halo = theme.page});
 }
 
+// Lines are counted in pixels, so a far view costs no more.
+void draw_grid(Canvas& canvas, const DrawingArea& area, const Point2& through, double step_px) {
+  if (!(step_px > 1.0)) return;
+  const Point2 origin = through - area.corner;
+  for (double y = std::fmod(origin.y(), step_px); y < area.height; y += step_px) {
+    if (y > 0.0) canvas.line(area.corner + Point2(0.0, y), area.corner + Point2(area.width, y), {ink::kGrid});
+  }
+  for (double x = std::fmod(origin.x(), step_px); x < area.width; x += step_px) {
+    if (x > 0.0) canvas.line(area.corner + Point2(x, 0.0), area.corner + Point2(x, area.height), {ink::kGrid});
+  }
+}
+
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// Bars of a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text size. O(1)
+// A picture's scale: a colour bar with ticks, a scale bar of round length, a grid. Sizes follow the text size. O(1)
 // shapes.
 #pragma once
 
@@ -41,5 +41,8 @@ struct ScaleBar {
 };
 /// The left end is at `start`, the length above the middle. Draws nothing if no round length fits.
 void draw_scale_bar(Canvas& canvas, const ScaleBar& bar, const Point2& start, const Theme& theme = kLightTheme);
+
+/// Grid lines over an area, every `step_px`, through a point of the page. Draws nothing for steps below a pixel.
+void draw_grid(Canvas& canvas, const DrawingArea& area, const Point2& through, double step_px);
 
 }  // namespace gdtslam

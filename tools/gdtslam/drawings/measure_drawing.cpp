@@ -90,25 +90,6 @@ TopView top_view(const Measurement& measured, std::span<const CloudPoint> cloud,
   return view;
 }
 
-double grid_step(const TopView& view) { return round_length_m(kGrid_px / view.pixels_per_m); }
-
-// Grid lines are counted in pixels, so a far view costs no more.
-void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
-  const DrawingArea& card = view.card;
-  const Pen pen{.colour = ink::kGrid};
-  const double step_px = step_m * view.pixels_per_m;
-  if (!(step_px > 1.0)) return;
-  const Point2 origin = view.at(0.0, 0.0) - card.corner;
-  for (double y = std::fmod(origin.y(), step_px); y < card.height; y += step_px) {
-    const double y_px = card.corner.y() + y;
-    if (y > 0.0) canvas.line({card.corner.x(), y_px}, {card.corner.x() + card.width, y_px}, pen);
-  }
-  for (double x = std::fmod(origin.x(), step_px); x < card.width; x += step_px) {
-    const double x_px = card.corner.x() + x;
-    if (x > 0.0) canvas.line({x_px, card.corner.y()}, {x_px, card.corner.y() + card.height}, pen);
-  }
-}
-
 // One dot per square with points between the floor and the top of the highest box; fainter if there are few.
 void draw_points(Canvas& canvas, const Measurement& measured, std::span<const CloudPoint> cloud, const TopView& view) {
   double low_m = -1e9;
@@ -242,8 +223,7 @@ Canvas draw_measurement(const Measurement& measured, std::span<const CloudPoint>
     canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
   }
   const TopView view = top_view(measured, cloud, plan);
-  const double step_m = grid_step(view);
-  draw_grid(canvas, view, step_m);
+  draw_grid(canvas, plan, view.at(0.0, 0.0), round_length_m(kGrid_px / view.pixels_per_m) * view.pixels_per_m);
   draw_points(canvas, measured, cloud, view);
   for (std::size_t k = 0; k < count; ++k) draw_box(canvas, view, measured.boxes[k], k);
   if (measured.viewpoint) draw_scanner(canvas, view, *measured.viewpoint);

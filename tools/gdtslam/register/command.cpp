@@ -14,6 +14,7 @@
 #include "engine/cloud/cloud_alignment.hpp"
 #include "engine/cloud/ndt_map.hpp"
 #include "engine/core/one_line.hpp"
+#include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "engine/runs/registration/ndt_file.hpp"
@@ -21,6 +22,8 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/register/alignment_picture.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
@@ -45,6 +48,7 @@ struct RegisterCommand {
   int dof = 6;
   std::string start;
   std::string output;
+  std::string picture;
   DeviceOptions device{};
   bool force = false;
   bool json = false;
@@ -217,8 +221,10 @@ void write_moved(const std::string& path, const Cloud& cloud, const Pose3& T_a_b
 int register_pair(const RegisterCommand& command) {
   AlignmentOptions options = make_options(command);
   if (!command.output.empty()) static_cast<void>(find_cloud_format(command.output));
+  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   WrittenFiles written({command.fixed, command.moved}, command.force);
   written.add("--output", command.output);
+  written.add("--picture", command.picture);
   const GivenCloud fixed = read_given(command.fixed);
   const GivenCloud moved = read_given(command.moved);
   if (fixed.origin_m != moved.origin_m) {
@@ -230,7 +236,13 @@ int register_pair(const RegisterCommand& command) {
   add_places(fixed.points, moved.points, *backend, options);
   const Alignment found = align_clouds(fixed.points, moved.points, options, *backend);
   if (!command.output.empty()) write_moved(command.output, moved.points, found.T_a_b);
-  print_result(command.json ? as_json(found) : as_text(command, found));
+  const std::string text = as_text(command, found);
+  if (!command.picture.empty()) {
+    const Canvas picture = draw_alignment(text.substr(0, text.find('\n')), fixed.points, moved.points,
+                                          options.starts.front().T_a_b, found);
+    write_file_atomically(command.picture, drawing_bytes(picture, command.picture, kDensePng));
+  }
+  print_result(command.json ? as_json(found) : text);
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -268,6 +280,10 @@ void add_register_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option("-o,--output", options->output, "Write the moved cloud in the frame of the fixed one: .ply or .pcd")
       ->type_name("FILE");
+  command
+      ->add_option("--picture", options->picture,
+                   "Draw both clouds from above and from the side, at the start and at the result: .svg, .png or .pdf")
+      ->type_name("FILE");
   add_device_options(*command, options->device);
   add_force_option(*command, options->force);
   command->add_flag("--json", options->json, "Print the result as JSON");
@@ -277,8 +293,8 @@ void add_register_command(CLI::App& app, CommandContext& context) {
       "that the surfaces hold least: along a bare corridor nothing holds a cloud, and the verdict says so.\n"
       "\n"
       "Examples:\n"
-      "  gdtslam register monday tuesday\n"
-      "  gdtslam register scan0.ply scan1.ply --start 1.5m,0,0,0,0,10deg -o scan1-in-scan0.ply");
+      "  gdtslam register monday tuesday -o tuesday-in-monday.ply\n"
+      "  gdtslam register scan0.ply scan1.ply --start 1.5m,0,0,0,0,10deg --picture pair.png");
   command->callback([options, &context] { context.run = [options] { return register_pair(*options); }; });
 }
 
