@@ -26,6 +26,7 @@ import jinja2
 import markupsafe
 
 import parts_3d
+import parts_future
 import parts_maps
 import parts_optimizers
 from part import Failed, Workshop, folder_of_scripts
@@ -72,6 +73,8 @@ PARTS = (
     Info("figA", "", "Figure A", "The linkage calibrated before a wall",
          "ranges to a wall over the encoder, measured and as the linkage has them, before and after its lengths are fitted.",
          parts_3d.make_calibration),
+    Info("future", "", "Section 4", "Future work: 6D and NDT",
+         "comparison with 6D SLAM, and registration of clouds by 3D NDT, are announced.", parts_future.make_future),
 )
 
 
