@@ -130,6 +130,35 @@ def cloud_of_a_moving_scanner():
     print(means)
 
 
+def poses_in_space():
+    """Where the robot sways, map --dof 6 brings the points nearer to the surfaces, and its poses have height and tilt; threads change
+    no byte; a log that does not tell how the laser nods is refused."""
+    folder = cli.fresh_folder("poses_in_space")
+    (folder / "drive.yaml").write_text(DRIVE)
+    log = simulated(folder, "office-7f", "--trajectory", folder / "drive.yaml", "--sway", "0.8deg,2cm")
+    means = {}
+    for dof in ("3", "6"):
+        report = mapped(folder / dof, "--dof", dof, "--no-map", "--no-pictures", log=log)
+        cli.validate(json.dumps(report), "report")
+        expect(("space" in report["nodding"]) == (dof == "6"), f"{report['nodding'].keys()}")
+        means[dof] = errors_of(folder / dof, log, "--scene", "office-7f")["distance_m"]["mean"]
+    expect(means["6"] < 0.7 * means["3"], f"mean distances: {means}")
+    heights = [float(row.split()[3]) for row in (folder / "6/trajectory.tum").read_text().splitlines()]
+    truth = [float(row.split()[3]) for row in log.with_suffix(".truth.tum").read_text().splitlines()]
+    middle = [a - b for a, b in zip(heights, truth)]
+    mean = sum(middle) / len(middle)
+    rms = (sum((value - mean) ** 2 for value in middle) / len(middle)) ** 0.5
+    expect(rms < 0.01, f"heights are {rms} m off the truth")  # they sway by 2 cm
+    mapped(folder / "threads", "--dof", "6", "--no-map", "--no-pictures", "--threads", 3, log=log)
+    files = [digests(folder / run) for run in ("6", "threads")]
+    for file in ("cloud.ply", "trajectory.tum"):
+        expect(files[0][file] == files[1][file], f"{file} depends on the threads")
+    process = command("map", cli.LOG, "--dof", "6", "-o", folder / "flat")
+    expect_exit(process, 65)
+    one_error_line(process.stderr)
+    expect("does not tell how the laser nods" in process.stderr and not (folder / "flat").exists(), process.stderr)
+
+
 def cloud_results(report):
     return report["map_sha256"], report["trajectory_sha256"], report["nodding"]["cloud"]["sha256"]
 
