@@ -29,6 +29,13 @@ gdtslam render office-7f -o "$images/office-7f-cloud.png" --size 1280x720
 gdtslam render three-boxes --view scan -o "$images/scanning.png" --size 960x540
 gdtslam render paper-b -o "$images/linkage-paper-b.gif" --size 640x360 --fps 20
 gdtslam linkage paper-b --picture "$images/linkage-paper-b.svg"
+# Two levels and a ramp by a robot that sways: poses in the plane and in space (docs/howto/map-in-3d.md).
+gdtslam simulate two-levels -o levels.log --sway 0.4deg,1cm --elevation-error 0.5deg
+for dof in 3 6; do
+  gdtslam map levels.log --dof $dof -o "levels-$dof" --no-pictures
+  gdtslam render "levels-$dof/cloud.ply" --from front --background light --hide none --size 1280x400 \
+    --title "map --dof $dof" -o "$images/two-levels-$dof.png"
+done
 gdtslam evaluate three-boxes/cloud.ply --boxes --picture "$images/measured-boxes.svg"
 gdtslam simulate wall -o wall.log --linkage paper-b-calibrated
 gdtslam map office-loop.log -o coarse --set map.resolution=5cm --set merge.threshold=5cm --set map.truncation=1m
