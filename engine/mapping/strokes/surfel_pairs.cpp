@@ -15,10 +15,11 @@ std::uint64_t bucket_key(const Bucket& bucket) {
   return bits(bucket[0]) << 42U | bits(bucket[1]) << 21U | bits(bucket[2]);
 }
 
-/// Surfels by the cube that their means lie in.
+/// Surfels by the cube that their means lie in. Of more than `most` in a cube every second, third... is kept: a robot
+/// that stands for an hour sees each surface a thousand times.
 class Buckets {
  public:
-  Buckets(std::span<const Surfel> surfels, double edge_m) : edge_m_(edge_m) {
+  Buckets(std::span<const Surfel> surfels, double edge_m, std::size_t most) : edge_m_(edge_m) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed;
     keyed.reserve(surfels.size());
     for (std::size_t k = 0; k < surfels.size(); ++k) {
@@ -27,8 +28,11 @@ class Buckets {
     std::sort(keyed.begin(), keyed.end());
     for (std::size_t begin = 0; begin < keyed.size();) {
       std::size_t end = begin;
-      for (; end < keyed.size() && keyed[end].first == keyed[begin].first; ++end) order_.push_back(keyed[end].second);
-      ranges_.emplace(keyed[begin].first, std::pair(begin, end));
+      while (end < keyed.size() && keyed[end].first == keyed[begin].first) ++end;
+      const std::size_t first = order_.size();
+      const std::size_t every = (end - begin + most - 1) / most;
+      for (std::size_t k = begin; k < end; k += every) order_.push_back(keyed[k].second);
+      ranges_.emplace(keyed[begin].first, std::pair(first, order_.size()));
       begin = end;
     }
   }
@@ -74,7 +78,7 @@ void find_partners(std::span<const Surfel> surfels, const Surfel& surfel, const 
 }  // namespace
 
 std::vector<SurfelPair> find_surfel_pairs(std::span<const Surfel> surfels, const SurfelPairRules& rules) {
-  const Buckets buckets(surfels, rules.within_m);
+  const Buckets buckets(surfels, rules.within_m, rules.most_of_a_cube);
   std::vector<SurfelPair> pairs;
   std::vector<Partner> partners;
   for (std::size_t begin = 0; begin < surfels.size();) {
