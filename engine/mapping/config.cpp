@@ -200,7 +200,7 @@ std::int64_t most_samples(const MapperConfig& config) {
   return side > 100000 ? kMostSamples + 1 : side * side * angles;
 }
 
-constexpr std::array kFreedoms{"3"sv, "6"sv};
+constexpr std::array kFreedoms{"plane"sv, "space"sv};
 constexpr std::array kPoseInterpolations{"linear"sv, "geodesic"sv, "odometry"sv};
 constexpr std::array kForms{"working"sv, "literal"sv};
 
@@ -274,8 +274,9 @@ std::vector<Option> option_table(NoddingConfig& config) {
        "Takes the place of prior.limit where the laser nods: metres lie between two fixes, and what looks alike far "
        "away is no match",
        Unit::kNone, 0.1, 1000.0, &config.prior_limit_sigmas, kAdvanced},
-      {"nod.dof",
-       "Numbers of a pose that are found: 3, or 6 with height, roll and pitch, for floors with ramps and sills and for "
+      {"nod.poses",
+       "What poses are found: in the plane, or in space with height, roll and pitch, for floors with ramps and sills "
+       "and for "
        "robots that sway",
        Unit::kNone, 0, 0, Choice(config.dof, kFreedoms), kAdvanced},
       {"nod.max_blind", "Time without a horizontal scan after which poses come from the odometry alone", Unit::kSecond,

@@ -150,7 +150,7 @@ class LogRun {
   void prepare(NodKind kind, ScanStream& scans) {
     if (kind == NodKind::kNone && request_.settings.nodding.dof == PoseFreedom::kSpace) {
       throw InputError(FilePosition{log_name(request_.logs.front()), 0},
-                       "does not tell how the laser nods, which poses in space (nod.dof 6) need");
+                       "does not tell how the laser nods, which poses in space (--dof 6, nod.poses) need");
     }
     if (kind == NodKind::kNone) {
       const RunPreparation prepared = look_at_motion(request_, request_.logs.front());

@@ -36,7 +36,7 @@ struct MapOptions {
   std::vector<std::string> logs;
   std::string folder;  ///< empty: runs/<log>-<UTC time>
   std::string matcher;
-  std::string dof;
+  int dof = 0;  ///< 0: not stated
   SettingsOptions settings;
   DeviceOptions device;
   ScanRange range;
@@ -69,7 +69,7 @@ void add_setting(const std::string& option, const std::string& path, const std::
 Settings read_settings(const MapOptions& options) {
   SettingsOptions settings = options.settings;
   add_setting("--matcher", "match.matcher", options.matcher, settings.sets);
-  add_setting("--dof", "nod.dof", options.dof, settings.sets);
+  add_setting("--dof", "nod.poses", options.dof == 6 ? "space" : options.dof == 3 ? "plane" : "", settings.sets);
   Settings loaded = load_settings(settings);
   state_recording(options.recording, loaded.log);
   return loaded;
@@ -297,7 +297,8 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   offer_words(command
                   ->add_option("--dof", options->dof,
                                "With a nodding laser: 6 also finds height, roll and pitch of the robot; short for\n"
-                               "--set nod.dof=N (default: 3)")
+                               "--set nod.poses=space (default: 3)")
+                  ->check(CLI::IsMember({3, 6}).description("3 or 6"))
                   ->type_name("N"),
               {"3", "6"});
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");

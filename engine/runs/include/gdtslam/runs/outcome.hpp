@@ -101,7 +101,7 @@ struct SpaceOutcome {
 /// Additional results for a nodding log.
 struct NoddingOutcome {
   NoddingStatistics statistics;
-  std::optional<SpaceOutcome> space;  ///< with nod.dof 6
+  std::optional<SpaceOutcome> space;  ///< with poses in space
   CloudSummary cloud;
   bool has_cloud = false;
   SweepCheck check;
