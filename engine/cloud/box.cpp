@@ -7,9 +7,9 @@
 #include "box_face.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/elementary.hpp"
-#include "to_position.hpp"
+#include "engine/core/to_position.hpp"
 
 namespace gdtslam {
 namespace {

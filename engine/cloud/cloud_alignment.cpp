@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/to_position.hpp"
 #include "gdtslam/core/error.hpp"
 #include "ndt_map.hpp"
 #include "ndt_scorer.hpp"
 #include "neighbours.hpp"
 #include "registration.hpp"
-#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {

@@ -7,12 +7,12 @@
 #include <Eigen/Eigenvalues>
 
 #include "engine/core/elementary.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
 #include "neighbours.hpp"
 #include "patch_cells.hpp"
-#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/core/quantile.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/cloud/thinning.hpp"
-#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "engine/core/elementary.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {

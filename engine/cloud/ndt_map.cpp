@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "engine/core/to_position.hpp"
 #include "gdtslam/core/error.hpp"
-#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <nanoflann.hpp>
 #include <utility>
 
-#include "to_position.hpp"
+#include "engine/core/to_position.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "engine/core/quantile.hpp"
-#include "to_position.hpp"
+#include "engine/core/to_position.hpp"
 
 namespace gdtslam {
 namespace {

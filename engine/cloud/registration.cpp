@@ -8,9 +8,9 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/core/to_position.hpp"
 #include "neighbours.hpp"
 #include "patch_cells.hpp"
-#include "to_position.hpp"
 
 namespace gdtslam {
 namespace {

@@ -11,24 +11,12 @@ import xml.etree.ElementTree as xml
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit
+from nodding_log import SCENE
 from scenario_linkage import png_size
 
-ROOM = """gdtslam_scene: 1
-name: two-stops
-floor: 0 m
-ceiling: 2.4 m
-wall_defaults: {thickness: 10 cm, height: 2.4 m}
-walls:
-  - {points: [[-1.5, -2.0], [4.5, -2.0], [4.5, 2.0], [-1.5, 2.0]], closed: true}
-boxes:
-  - {centre: [3.9, 1.2], size: [0.5, 0.8], height: 90 cm}
-  - {centre: [-0.9, -1.5], size: [0.6, 0.5], height: 120 cm}
-robot:
-  laser: {preset: hokuyo-961, beams: 241, bearing_step: 1 deg, height: 30 cm}
-  nodding: {linkage: paper-b, mode: stop-and-scan, stop_every: 5 m, crank_rate: 0.25 Hz, encoder: {rate: 50 Hz}}
-recording: {scan_rate: 20 Hz, odometry_rate: 20 Hz}
-waypoints: [[0, 0], [0.3, 0], [0.7, 0.07]]
-"""
+# Two stops in the room of nodding_log.
+ROOM = SCENE.replace("linkage: paper-b,", "linkage: paper-b, mode: stop-and-scan, stop_every: 5 m,")
+ROOM = ROOM.replace("[[0, 0], {at: [2.4, 0.3], speed: 0.15}]", "[[0, 0], [0.3, 0], [0.7, 0.07]]")
 SCANS = 80  # of each stop that are used
 CUBE = 0.05  # m, with one point each: PCL's ICP would lay the dense points near a scanner on those near the other
 NOISE = 0.005  # of each coordinate, m, one standard deviation

@@ -100,7 +100,7 @@ std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky&
 
 /// Multiplies a system with a vector.
 using BlockProduct = std::function<std::vector<Tangent2>(const std::vector<Tangent2>&)>;
-/// The same for a system that is known by its products alone.
+/// Solves a system that is known by its products alone, until `rules` say that it is enough.
 std::vector<Tangent2> solve_near(const BlockProduct& times_system, const std::vector<Tangent2>& right,
                                  const BlockCholesky& factor, const NearRules& rules);
 

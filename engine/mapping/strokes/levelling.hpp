@@ -13,7 +13,7 @@ namespace gdtslam {
 /// little.
 std::array<double, 2> find_levelling_turn(std::span<const Surfel> surfels, const std::array<double, 2>& robot_rad);
 
-/// Height of a floor near a height; that height if there is none.
+/// Height of the floor near `near_m`; `near_m` if there is none.
 double find_floor_height(std::span<const Surfel> surfels, double near_m);
 
 }  // namespace gdtslam

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/to_position.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
@@ -29,24 +30,26 @@ PathCorrection::PathCorrection(PlanarPath path, double lowest_rad, double highes
     scan_s_.push_back(k == 0 ? 0.0 : now_s);
     if (knot_s_.empty() || scan_s_.back() - knot_s_.back() >= kKnotStep_s) {
       knot_s_.push_back(scan_s_.back());
-      moments_.push_back(place_at(static_cast<double>(path_.first_scan + k)));
+      moments_.push_back(planar_moment({k, k, 0.0}));
     }
   }
   knot_s_.push_back(std::max(scan_s_.back(), knot_s_.back()) + kKnotStep_s);  // all scans lie between two knots
-  moments_.push_back(place_at(static_cast<double>(path_.first_scan + path_.poses.size())));
+  moments_.push_back(planar_moment({path_.poses.size() - 1, path_.poses.size() - 1, 0.0}));
   knots.assign(knot_s_.size(), Tangent3::Zero());
 }
 
-PathCorrection::Moment PathCorrection::place_at(double scan) const {
-  const double place =
-      std::clamp(scan - static_cast<double>(path_.first_scan), 0.0, static_cast<double>(path_.poses.size() - 1));
-  const auto before = std::min(static_cast<std::size_t>(place), path_.poses.size() - 1);
-  const auto after = std::min(before + 1, path_.poses.size() - 1);
-  const double share = place - static_cast<double>(before);
-  const Pose2& from = path_.poses[before].T_map_base;
-  const Pose2& to = path_.poses[after].T_map_base;
-  const Pose2 pose{from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m),
-                   from.theta_rad + share * wrap_angle(to.theta_rad - from.theta_rad)};
+PathCorrection::Between PathCorrection::scans_around(double scan) const {
+  const std::size_t last = path_.poses.size() - 1;
+  const double place = std::clamp(scan - static_cast<double>(path_.first_scan), 0.0, static_cast<double>(last));
+  const auto before = std::min(static_cast<std::size_t>(place), last);
+  return {before, std::min(before + 1, last), place - static_cast<double>(before)};
+}
+
+PathCorrection::Moment PathCorrection::planar_moment(const Between& scans) const {
+  const Pose2& from = path_.poses[scans.before].T_map_base;
+  const Pose2& to = path_.poses[scans.after].T_map_base;
+  const Pose2 pose{from.x_m + scans.share * (to.x_m - from.x_m), from.y_m + scans.share * (to.y_m - from.y_m),
+                   from.theta_rad + scans.share * wrap_angle(to.theta_rad - from.theta_rad)};
   const PointMotion motion(pose);
   Moment moment;
   moment.centre = space_point(pose.translation());
@@ -57,12 +60,9 @@ PathCorrection::Moment PathCorrection::place_at(double scan) const {
 }
 
 PathCorrection::Moment PathCorrection::at_scan(double scan) const {
-  Moment moment = place_at(scan);
-  const double place =
-      std::clamp(scan - static_cast<double>(path_.first_scan), 0.0, static_cast<double>(path_.poses.size() - 1));
-  const auto before = static_cast<std::size_t>(place);
-  const auto after = std::min(before + 1, scan_s_.size() - 1);
-  const double now_s = scan_s_[before] + (place - static_cast<double>(before)) * (scan_s_[after] - scan_s_[before]);
+  const Between scans = scans_around(scan);
+  Moment moment = planar_moment(scans);
+  const double now_s = scan_s_[scans.before] + scans.share * (scan_s_[scans.after] - scan_s_[scans.before]);
   const auto next = std::upper_bound(knot_s_.begin() + 1, knot_s_.end() - 1, now_s);
   const auto stroke =
       std::upper_bound(path_.strokes.begin() + 1, path_.strokes.end(), scan,
@@ -84,17 +84,19 @@ Tangent3 PathCorrection::correction(const Moment& moment) const {
   return (1.0 - moment.share) * knots[moment.knot] + moment.share * knots[moment.knot + 1];
 }
 
-Point3 PathCorrection::corrected(const Point3& point, double elevation_rad, const Moment& moment) const {
+double PathCorrection::lift_rad(double elevation_rad, const Moment& moment) const {
   const ElevationPlace place = at_elevation(elevation_rad, moment.is_upward);
-  const double lift_rad =
-      (1.0 - place.share) * elevation_knots_rad[place.knot] + place.share * elevation_knots_rad[place.knot + 1];
+  return (1.0 - place.share) * elevation_knots_rad[place.knot] + place.share * elevation_knots_rad[place.knot + 1];
+}
+
+Point3 PathCorrection::corrected(const Point3& point, double elevation_rad, const Moment& moment) const {
   const Tangent3 by = correction(moment);
-  Point3 lifted = point;
-  if (lift_rad != 0.0) lifted = moment.axis + exp_so3(-lift_rad * moment.left) * (point - moment.axis);
+  const Point3 lifted = moment.axis + exp_so3(-lift_rad(elevation_rad, moment) * moment.left) * (point - moment.axis);
   return moment.centre + by.head<3>() + exp_so3(by.tail<3>()) * (lifted - moment.centre);
 }
 
-// The correction at a scan's stamp; over the scan it changes by its rate.
+// The correction is that of the scan's stamp, and changes by its rate over the scan. A lift is small: its first order
+// is enough.
 void PathCorrection::correct(std::span<CloudPoint> points) const {
   Moment moment;
   Tangent3 by = Tangent3::Zero();
@@ -110,12 +112,10 @@ void PathCorrection::correct(std::span<CloudPoint> points) const {
       turn = rotation_matrix(exp_so3(by.tail<3>()));
       stamp_s = path_.poses[std::min<std::size_t>(point.scan - path_.first_scan, path_.poses.size() - 1)].stamp_s;
     }
-    const ElevationPlace place = at_elevation(static_cast<double>(point.elevation_rad), moment.is_upward);
-    const double lift_rad =
-        (1.0 - place.share) * elevation_knots_rad[place.knot] + place.share * elevation_knots_rad[place.knot + 1];
-    Point3 measured(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
-    measured -= lift_rad * moment.left.cross(measured - moment.axis);
-    const Point3 arm = turn * (measured - moment.centre);
+    const Point3 measured = to_position(point);
+    const double lift = lift_rad(static_cast<double>(point.elevation_rad), moment);
+    const Point3 lifted = measured - lift * moment.left.cross(measured - moment.axis);
+    const Point3 arm = turn * (lifted - moment.centre);
     const double after_s = point.stamp_s - stamp_s;
     const Point3 moved = moment.centre + by.head<3>() + arm + after_s * (rate.head<3>() + rate.tail<3>().cross(arm));
     point.x_m = static_cast<float>(moved.x());

@@ -1,6 +1,6 @@
-// Corrections of a planar path to poses in space: at knots half a second apart a shift u and a turn w (rotation vector)
-// of the robot about its place in the plane, linear in time between knots. Also corrections of the elevation, linear
-// between knots of the elevation. Frame: map, metres, radians. Thread-safe while it is constant.
+// Corrections of a planar path to poses in space. Each knot, half a second after the last, has a shift u and a turn w
+// (rotation vector) of the robot about its place in the plane; both are linear in time between knots. The elevation has
+// knots of its own. Frame: map, metres, radians. Thread-safe while it is constant.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-/// A planar path, and where the axis is that the laser nods about.
+/// A planar path with the strokes of the mount, and a point of the axis that the laser nods about.
 struct PlanarPath {
   Trajectory poses;              ///< one a scan
   std::uint32_t first_scan = 0;  ///< number of the first pose's scan
@@ -25,11 +25,12 @@ struct PlanarPath {
 
 class PathCorrection {
  public:
-  /// For rising strokes, then as many for falling ones: a fault of the linkage depends on the crank.
+  /// Knots of the elevation for rising strokes, then as many for falling ones: a fault of the linkage depends on the
+  /// crank.
   static constexpr std::size_t kKnotsOfAStroke = 24;
   static constexpr std::size_t kElevationKnots = 2 * kKnotsOfAStroke;
 
-  /// Without corrections yet. Elevations lie between the two given. `path` must not be empty.
+  /// All corrections are 0 at first. Elevations lie between the two given. `path` must not be empty.
   PathCorrection(PlanarPath path, double lowest_rad, double highest_rad);
 
   /// The robot in the plane at one moment, and the knots around it: `share` is 0 at knot, 1 at knot + 1.
@@ -41,7 +42,7 @@ class PathCorrection {
     double share = 0.0;
     bool is_upward = true;  ///< the stroke
   };
-  /// At the stamp of a scan; numbers may be fractions.
+  /// The moment of a scan's stamp; between two scans its number is a fraction.
   [[nodiscard]] Moment at_scan(double scan) const;
   /// Knots of the elevation around one elevation.
   struct ElevationPlace {
@@ -52,9 +53,9 @@ class PathCorrection {
 
   /// Correction at a moment: u, w.
   [[nodiscard]] Tangent3 correction(const Moment& moment) const;
-  /// A point measured at that moment and elevation.
+  /// Where a point lies that was measured at that moment and elevation.
   [[nodiscard]] Point3 corrected(const Point3& point, double elevation_rad, const Moment& moment) const;
-  /// Points in log order.
+  /// Corrects points, which are in log order.
   void correct(std::span<CloudPoint> points) const;
   /// T_map_base of each scan.
   [[nodiscard]] std::vector<Pose3> poses() const;
@@ -67,8 +68,17 @@ class PathCorrection {
 
   std::vector<Tangent3> knots;              ///< u, w at each; at least two
   std::vector<double> elevation_knots_rad;  ///< added to the elevation
+
  private:
-  [[nodiscard]] Moment place_at(double scan) const;
+  /// Two scans of the path around a moment; `share` is 0 at the first.
+  struct Between {
+    std::size_t before = 0;
+    std::size_t after = 0;
+    double share = 0.0;
+  };
+  [[nodiscard]] Between scans_around(double scan) const;
+  [[nodiscard]] Moment planar_moment(const Between& scans) const;
+  [[nodiscard]] double lift_rad(double elevation_rad, const Moment& moment) const;
 
   PlanarPath path_;
   double lowest_rad_;

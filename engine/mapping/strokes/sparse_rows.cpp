@@ -45,7 +45,7 @@ void SparseRows::add(std::initializer_list<std::span<const RowEntry>> pieces, do
   rows_.back().count = entries_.size() - rows_.back().begin;
 }
 
-// In pieces of which each has its own sums, whatever the number of threads.
+// The rows are cut into as many pieces for any number of threads, each with its own sums.
 std::vector<Tangent2> SparseRows::product(const std::vector<Tangent2>& step) const {
   const std::size_t piece = (rows_.size() + kPieces - 1) / kPieces;
   std::vector<std::vector<Tangent2>> sums(kPieces);

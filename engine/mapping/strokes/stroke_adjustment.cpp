@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 
+#include "engine/core/quantile.hpp"
 #include "engine/mapping/graph/matrix3.hpp"
 #include "levelling.hpp"
 #include "sparse_rows.hpp"
@@ -14,10 +14,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::array kSearches{0, 2, 4, 6, 8};  // iterations that look for pairs
-constexpr int kFirstElevation = 2;              // iteration from which on elevations are
-                                                // corrected
-constexpr int kFirstEstimate = 4;               // iteration from which on variances are estimated
+constexpr int kSearchEvery = 2;     // iterations from one search for pairs to the next
+constexpr int kFirstElevation = 2;  // iteration from which on elevations are corrected
+constexpr int kFirstEstimate = 4;   // iteration from which on variances are estimated
 // Corrections found with a prior are smaller than the true ones. With 1.6 a flat floor keeps a tilt of 0.1 deg, with 1
 // true tilts lose a third.
 constexpr double kFoundShare = 1.3;
@@ -38,12 +37,6 @@ Float3 unit(std::size_t axis, double value = 1.0) {
   Float3 v{};
   v[axis] = static_cast<float>(value);
   return v;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A surfel's place among the knots.
@@ -69,12 +62,13 @@ struct Blocks {
 
 RowEntry entry(std::size_t block, const Float3& derivative) { return {static_cast<std::uint32_t>(block), derivative}; }
 
-// The distance of a pair from a common plane, and its weight.
+/// The distance of a surfel from its partner's plane, and its weight.
 struct PairDistance {
   double distance_m = 0.0;
   double weight = 0.0;
 };
 
+/// The equations of an adjustment, and the steps of an iteration.
 class StrokeProblem {
  public:
   StrokeProblem(const std::vector<Surfel>& surfels, const StrokeAdjustmentOptions& options, WorkerPool& workers,
@@ -113,6 +107,7 @@ class StrokeProblem {
 
   StrokeAdjustmentOptions options_;
   const double most_elevation_rad_ = options_.elevation_rad;
+  bool is_elevation_right_ = false;  // it needs no correction
   PathCorrection& correction_;
   const std::vector<Surfel>& surfels_;
   std::vector<Surfel> now_;
@@ -192,8 +187,8 @@ void StrokeProblem::add_knot(std::size_t k) {
   }
 }
 
-// From one knot to the next. The height changes by the way times the mean pitch: nose down is a positive turn about the
-// left.
+// Changes from one knot to the next. The height changes by the way times the mean pitch: nose down is a positive turn
+// about the left.
 void StrokeProblem::add_steps(std::size_t k) {
   const Tangent3 change = correction_.knots[k + 1] - correction_.knots[k];
   const double step_s = correction_.step_s(k);
@@ -214,7 +209,7 @@ void StrokeProblem::add_steps(std::size_t k) {
   rows_.add({height}, 1.0 / (square(options_.height_step_m) * step_s), change[2] + by_turn.dot(turns));
 }
 
-// Small and smooth.
+// Corrections of the elevation are small and smooth.
 void StrokeProblem::add_elevations() {
   for (std::size_t k = 0; k < PathCorrection::kElevationKnots; ++k) {
     const RowEntry one = entry(blocks_.elevation(k), unit(k % 3));
@@ -230,7 +225,7 @@ void StrokeProblem::add_elevations() {
 }
 
 void StrokeProblem::linearise(bool with_elevation) {
-  with_elevation = with_elevation && options_.with_elevation;
+  with_elevation = with_elevation && !is_elevation_right_;
   rows_.clear();
   for (std::size_t k = 0; k < blocks_.knots; ++k) add_knot(k);
   for (std::size_t k = 0; k + 1 < blocks_.knots; ++k) add_steps(k);
@@ -267,7 +262,7 @@ void StrokeProblem::level() {
     tilts[0].push_back(-knot[3]);
     tilts[1].push_back(-knot[4]);
   }
-  const std::array<double, 2> turn_rad = find_levelling_turn(now_, {median(tilts[0]), median(tilts[1])});
+  const std::array<double, 2> turn_rad = find_levelling_turn(now_, {upper_median(tilts[0]), upper_median(tilts[1])});
   const Point3 turn(turn_rad[0], turn_rad[1], 0.0);
   for (std::size_t k = 0; k < blocks_.knots; ++k) {
     correction_.knots[k].tail<3>() += turn;
@@ -279,7 +274,8 @@ void StrokeProblem::level() {
   place();
 }
 
-// Each from what was found with its prior, which is larger than what is there: where nothing is, it falls to nothing.
+// Each variance follows the corrections that were found with it. If nothing is to be corrected, it falls to nothing
+// from iteration to iteration.
 void StrokeProblem::estimate_variances() {
   double squares = 0.0;
   for (std::size_t k = 0; k + 1 < blocks_.knots; ++k) {
@@ -288,13 +284,13 @@ void StrokeProblem::estimate_variances() {
   }
   const double rms = std::sqrt(squares / (2.0 * static_cast<double>(blocks_.knots - 1)));
   options_.tilt_step_rad = kFoundShare * std::max(rms, kLeastTiltStep_rad);
-  if (!options_.with_elevation) return;
+  if (is_elevation_right_) return;
   squares = 0.0;
   for (const double knot_rad : correction_.elevation_knots_rad) squares += square(knot_rad);
   options_.elevation_rad =
       std::min(most_elevation_rad_, std::sqrt(squares / static_cast<double>(PathCorrection::kElevationKnots)));
   if (options_.elevation_rad >= kLeastElevation_rad) return;
-  options_.with_elevation = false;
+  is_elevation_right_ = true;
   std::fill(correction_.elevation_knots_rad.begin(), correction_.elevation_knots_rad.end(), 0.0);
 }
 
@@ -332,7 +328,7 @@ Tangent3 StrokeProblem::sigma() {
 
 }  // namespace
 
-StrokeAdjustment adjust_strokes(const std::vector<Surfel>& surfels, StrokeAdjustmentOptions options,
+StrokeAdjustment adjust_strokes(const std::vector<Surfel>& surfels, const StrokeAdjustmentOptions& options,
                                 WorkerPool& workers, PathCorrection& correction,
                                 const std::function<void(double)>& progress) {
   StrokeAdjustment found;
@@ -342,7 +338,7 @@ StrokeAdjustment adjust_strokes(const std::vector<Surfel>& surfels, StrokeAdjust
   double scale_m = options.first_scale_m;
   double gate_m = options.first_gate_m;
   for (int k = 0; k < options.iterations; ++k) {
-    if (std::find(kSearches.begin(), kSearches.end(), k) != kSearches.end()) problem.find_pairs();
+    if (k % kSearchEvery == 0) problem.find_pairs();
     if (k == 0) {
       problem.weigh(options.last_scale_m, options.last_gate_m);
       found.rms_before_m = problem.rms_m();

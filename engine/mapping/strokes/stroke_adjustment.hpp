@@ -1,8 +1,9 @@
 // Corrects a planar path in space by the surfaces that strokes of the mount have in common, as [Bosse2012] does:
 // surfels of different strokes are brought into one plane by least squares in which outliers count less and less.
 // Priors: the planar path is nearly right, the height follows pitch and way, and the tilt changes as little as the
-// strokes allow: how much is estimated on the way, so on a flat floor the path stays planar. Walls and floors level the
-// whole. Frame: map. The same bits on every host. Cost: ten iterations, linear in the strokes (docs/benchmarks.md).
+// strokes allow. How much it changes is estimated on the way, so on a flat floor the path stays planar. Walls and
+// floors level the whole. Frame: map. The same bits on every host. Cost: ten iterations, linear in the strokes
+// (docs/mapping.md).
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,6 @@
 namespace gdtslam {
 
 struct StrokeAdjustmentOptions {
-  bool with_elevation = true;  ///< also find corrections of the elevation
   // Standard deviations of corrections, each by itself...
   double place_m = 0.02;
   double heading_rad = 0.01;
@@ -40,7 +40,7 @@ struct StrokeAdjustmentOptions {
   int iterations = 10;
 };
 
-/// What was found; x, y, z, roll and pitch about x and y, yaw.
+/// Result of an adjustment. Vectors have x, y, z and the turns about x, y, z.
 struct StrokeAdjustment {
   std::size_t surfels = 0;
   std::size_t pairs = 0;
@@ -52,7 +52,7 @@ struct StrokeAdjustment {
 };
 
 /// Adjusts the knots of `correction`; `progress` gets the share done.
-StrokeAdjustment adjust_strokes(const std::vector<Surfel>& surfels, StrokeAdjustmentOptions options,
+StrokeAdjustment adjust_strokes(const std::vector<Surfel>& surfels, const StrokeAdjustmentOptions& options,
                                 WorkerPool& workers, PathCorrection& correction,
                                 const std::function<void(double)>& progress);
 

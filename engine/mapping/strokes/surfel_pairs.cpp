@@ -1,29 +1,22 @@
 #include "surfel_pairs.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <unordered_map>
+
+#include "cell_key.hpp"
 
 namespace gdtslam {
 namespace {
-
-using Bucket = std::array<std::int64_t, 3>;
-
-std::uint64_t bucket_key(const Bucket& bucket) {
-  const auto bits = [](std::int64_t index) { return static_cast<std::uint64_t>(index + 0x100000) & 0x1fffffU; };
-  return bits(bucket[0]) << 42U | bits(bucket[1]) << 21U | bits(bucket[2]);
-}
 
 /// Surfels by the cube that their means lie in. Of more than `most` in a cube every second, third... is kept: a robot
 /// that stands for an hour sees each surface a thousand times.
 class Buckets {
  public:
-  Buckets(std::span<const Surfel> surfels, double edge_m, std::size_t most) : edge_m_(edge_m) {
+  Buckets(std::span<const Surfel> surfels, double edge_m, std::size_t most) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed;
     keyed.reserve(surfels.size());
     for (std::size_t k = 0; k < surfels.size(); ++k) {
-      keyed.emplace_back(bucket_key(bucket_at(surfels[k].mean)), static_cast<std::uint32_t>(k));
+      keyed.emplace_back(key_of(cell_around(surfels[k].mean, edge_m)), static_cast<std::uint32_t>(k));
     }
     std::sort(keyed.begin(), keyed.end());
     for (std::size_t begin = 0; begin < keyed.size();) {
@@ -36,18 +29,13 @@ class Buckets {
       begin = end;
     }
   }
-  [[nodiscard]] Bucket bucket_at(const Point3& point) const {
-    return {std::llround(std::floor(point.x() / edge_m_)), std::llround(std::floor(point.y() / edge_m_)),
-            std::llround(std::floor(point.z() / edge_m_))};
-  }
-  [[nodiscard]] std::span<const std::uint32_t> in(const Bucket& bucket) const {
-    const auto found = ranges_.find(bucket_key(bucket));
+  [[nodiscard]] std::span<const std::uint32_t> in(const Cell& cell) const {
+    const auto found = ranges_.find(key_of(cell));
     if (found == ranges_.end()) return {};
     return std::span(order_).subspan(found->second.first, found->second.second - found->second.first);
   }
 
  private:
-  double edge_m_;
   std::vector<std::uint32_t> order_;
   std::unordered_map<std::uint64_t, std::pair<std::size_t, std::size_t>> ranges_;
 };
@@ -58,7 +46,7 @@ using Partner = std::pair<double, std::uint32_t>;
 void find_partners(std::span<const Surfel> surfels, const Surfel& surfel, const Buckets& buckets,
                    const SurfelPairRules& rules, std::vector<Partner>& partners) {
   partners.clear();
-  const Bucket middle = buckets.bucket_at(surfel.mean);
+  const Cell middle = cell_around(surfel.mean, rules.within_m);
   for (std::int64_t x = -1; x <= 1; ++x) {
     for (std::int64_t y = -1; y <= 1; ++y) {
       for (std::int64_t z = -1; z <= 1; ++z) {

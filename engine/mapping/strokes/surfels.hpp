@@ -1,17 +1,16 @@
-// Flat pieces of surfaces (surfels), one set for each stroke of the mount: what the strokes are compared by. Frame:
-// map, metres. One collector belongs to one thread. Memory: the points of one stroke, and 80 bytes a surfel. Cost:
-// O(points log points) of a stroke.
+// Flat pieces of surfaces (surfels), one set for each stroke of the mount: strokes are compared by them. Frame: map,
+// metres. One collector belongs to one thread. Memory: the points of one stroke, and 80 bytes a surfel. Cost: O(points
+// log points) of a stroke.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/pose3.hpp"
-#include "stroke_ends.hpp"
+#include "stroke_sample.hpp"
 
 namespace gdtslam {
 
@@ -24,23 +23,17 @@ struct Surfel {
   std::uint32_t stroke = 0;
 };
 
-/// One movement of the mount from end to end.
-struct Stroke {
-  std::uint32_t first_scan = 0;
-  bool is_upward = true;
-};
-
 struct SurfelOptions {
   double cell_m = 0.5;
   std::size_t fewest = 6;            ///< points of a surfel
   double flat = 0.04;                ///< variance along the normal, as a share of the lesser one in the plane
-  double thick_m = 0.05;             ///< largest standard deviation along the normal
+  double thick_m = 0.05;             ///< largest standard deviation along the normal, least in the plane
   std::size_t most_points = 40'000;  ///< of a stroke; of more, every second, fourth... is taken
 };
 
 class SurfelCollector {
  public:
-  explicit SurfelCollector(const SurfelOptions& options) : options_(options) {}
+  explicit SurfelCollector(const SurfelOptions& options) : options_(options), sample_(options.most_points) {}
   /// Takes points in log order; their scans must have numbers that ascend.
   void add(std::span<const CloudPoint> points);
   /// The surfels of all strokes, in their order.
@@ -49,15 +42,10 @@ class SurfelCollector {
   [[nodiscard]] const std::vector<Stroke>& strokes() const { return strokes_; }
 
  private:
-  void close_stroke(bool is_upward);
+  void close_stroke();
 
   SurfelOptions options_;
-  StrokeEnds ends_;
-  std::optional<std::uint32_t> scan_;
-  std::vector<CloudPoint> points_;
-  std::uint64_t every_ = 1;
-  std::uint64_t seen_ = 0;
-  std::uint32_t first_scan_ = 0;
+  StrokeSample sample_;
   std::vector<Stroke> strokes_;
   std::vector<Surfel> surfels_;
 };

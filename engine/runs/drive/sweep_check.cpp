@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/to_position.hpp"
 #include "stopwatch.hpp"
 
 namespace gdtslam {
@@ -19,7 +20,7 @@ constexpr double kMostNoise = 3.0;  // allowed distance of sweeps in standard de
 Point3 find_centre(const Cloud& cloud) {
   Point3 sum = Point3::Zero();
   for (const CloudPoint& point : cloud) {
-    sum += Point3(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
+    sum += to_position(point);
   }
   return sum / static_cast<double>(cloud.size());
 }
@@ -28,7 +29,7 @@ Point3 find_centre(const Cloud& cloud) {
 double moved_m(const Pose3& T, const Cloud& cloud) {
   double sq_sum = 0.0;
   for (const CloudPoint& point : cloud) {
-    const Point3 place(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
+    const Point3 place = to_position(point);
     sq_sum += (T * place - place).squaredNorm();
   }
   return std::sqrt(sq_sum / static_cast<double>(cloud.size()));
@@ -36,37 +37,26 @@ double moved_m(const Pose3& T, const Cloud& cloud) {
 
 }  // namespace
 
-// Every n-th point, n doubled when the sample is full.
 void SweepSampler::add(std::span<const CloudPoint> points) {
   if (!config_.is_on) return;
   for (const CloudPoint& point : points) {
-    if (!has_scan_ || point.scan != scan_) {
-      if (stroke_ends_.take(point.elevation_rad)) close_sweep();
-      has_scan_ = true;
-      scan_ = point.scan;
-    }
-    if (seen_++ % every_ != 0) continue;
-    if (current_.size() == config_.max_points) {
-      std::size_t kept = 0;
-      for (std::size_t k = 0; k < current_.size(); k += 2) current_[kept++] = current_[k];
-      current_.resize(kept);
-      every_ *= 2;
-    }
-    current_.push_back(point);
+    if (sample_.ends_before(point)) close_sweep();
+    sample_.add(point);
   }
 }
 
 void SweepSampler::close_sweep() {
   Stopwatch watch;
-  const bool is_large = current_.size() >= config_.min_points;
-  Cloud means = is_large ? means_of_cubes(current_, kCell_m) : Cloud();
+  const Cloud current = sample_.take_stroke().second;
+  const bool is_large = current.size() >= config_.min_points;
+  Cloud means = is_large ? means_of_cubes(current, kCell_m) : Cloud();
   if (is_large && is_previous_large_) {
     RegistrationOptions options;
     options.max_points = kMostPoints;
     const RegistrationResult found = register_clouds(means, previous_means_, options);
     if (found.converged && found.weakest_share >= kLeastWeakest) {
       // The shift is taken at the sweep's centre: at the map's origin a turn would count as a shift.
-      const Point3 centre = find_centre(current_);
+      const Point3 centre = find_centre(current);
       const Point3 shift = found.T_target_source * centre - centre;
       const Eigen::Vector3d turn = log_so3(found.T_target_source.rotation);
       const double shift_m = shift.norm();
@@ -75,7 +65,7 @@ void SweepSampler::close_sweep() {
       outcome_.mean_shift_m += shift_m;
       outcome_.mean_turn_rad += turn_rad;
       outcome_.mean_rms_m += found.rms_m;
-      outcome_.mean_moved_m += moved_m(found.T_target_source, current_);
+      outcome_.mean_moved_m += moved_m(found.T_target_source, current);
       outcome_.max_shift_m = std::max(outcome_.max_shift_m, shift_m);
       outcome_.max_turn_rad = std::max(outcome_.max_turn_rad, turn_rad);
       drift_m_ += shift;
@@ -87,14 +77,11 @@ void SweepSampler::close_sweep() {
   }
   previous_means_ = std::move(means);
   is_previous_large_ = is_large;
-  current_.clear();
-  every_ = 1;
-  seen_ = 0;
   watch.add_to(outcome_.wall_s);
 }
 
 SweepCheck SweepSampler::finish() {
-  if (!current_.empty()) close_sweep();
+  if (!sample_.is_empty()) close_sweep();
   if (outcome_.pairs > 0) {
     const auto pairs = static_cast<double>(outcome_.pairs);
     outcome_.mean_shift_m /= pairs;

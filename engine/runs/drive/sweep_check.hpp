@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/cloud/registration.hpp"
-#include "engine/mapping/strokes/stroke_ends.hpp"
+#include "engine/mapping/strokes/stroke_sample.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/runs/outcome.hpp"
 
@@ -24,7 +24,7 @@ struct SweepCheckConfig {
 /// Collects a sample of each sweep from the points in log order; a sweep ends when the elevation reverses.
 class SweepSampler {
  public:
-  explicit SweepSampler(const SweepCheckConfig& config) : config_(config) {}
+  explicit SweepSampler(const SweepCheckConfig& config) : config_(config), sample_(config.max_points) {}
   void add(std::span<const CloudPoint> points);
   /// Registers the last sweep and returns the outcome.
   SweepCheck finish();
@@ -33,14 +33,9 @@ class SweepSampler {
   void close_sweep();
 
   SweepCheckConfig config_;
-  Cloud current_;
+  StrokeSample sample_;
   Cloud previous_means_;            ///< means per cube of the previous sweep
   bool is_previous_large_ = false;  ///< the previous sweep has enough points for a comparison
-  std::uint64_t every_ = 1;
-  std::uint64_t seen_ = 0;
-  std::uint32_t scan_ = 0;
-  bool has_scan_ = false;
-  StrokeEnds stroke_ends_;
   Point3 drift_m_ = Point3::Zero();
   Eigen::Vector3d drift_rad_ = Eigen::Vector3d::Zero();
   SweepCheck outcome_;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/cloud/to_position.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"

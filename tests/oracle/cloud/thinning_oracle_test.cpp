@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "engine/cloud/neighbours.hpp"
-#include "engine/cloud/to_position.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/cloud/to_position.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/mapping/match/matchers.hpp"
@@ -54,22 +55,25 @@ struct MapOptions {
   bool quiet = false;
 };
 
-// An option that is short for --set PATH=VALUE. If both are given they must agree.
-void add_setting(const std::string& option, const std::string& path, const std::string& value,
+// Adds --set PATH=VALUE, for which `option` is short. If both are given they must agree.
+void add_setting(const std::string& option, const std::string& path, std::string_view value,
                  std::vector<std::string>& sets) {
-  if (value.empty()) return;
-  const std::string stated = path + "=" + value;
+  const std::string stated = fmt::format("{}={}", path, value);
   for (const std::string& set : sets) {
     if (!set.starts_with(path + "=") || set == stated) continue;
-    throw UsageError(fmt::format("{} {} contradicts --set {}: give one of them", option, value, set));
+    throw UsageError(fmt::format("{} contradicts --set {}: give one of them", option, set));
   }
   sets.push_back(stated);
 }
 
 Settings read_settings(const MapOptions& options) {
   SettingsOptions settings = options.settings;
-  add_setting("--matcher", "match.matcher", options.matcher, settings.sets);
-  add_setting("--dof", "nod.poses", options.dof == 6 ? "space" : options.dof == 3 ? "plane" : "", settings.sets);
+  if (!options.matcher.empty()) {
+    add_setting("--matcher " + options.matcher, "match.matcher", options.matcher, settings.sets);
+  }
+  if (options.dof != 0) {
+    add_setting(fmt::format("--dof {}", options.dof), "nod.poses", options.dof == 6 ? "space" : "plane", settings.sets);
+  }
   Settings loaded = load_settings(settings);
   state_recording(options.recording, loaded.log);
   return loaded;

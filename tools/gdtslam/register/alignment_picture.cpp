@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine/cloud/to_position.hpp"
 #include "engine/core/quantile.hpp"
+#include "engine/core/to_position.hpp"
 #include "engine/drawing/letters.hpp"
 #include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/cloud/thinning.hpp"

@@ -14,6 +14,7 @@
 #include "engine/cloud/cloud_alignment.hpp"
 #include "engine/cloud/ndt_map.hpp"
 #include "engine/core/one_line.hpp"
+#include "engine/core/to_position.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_reader.hpp"
@@ -208,8 +209,7 @@ std::string as_json(const Alignment& found) {
 void write_moved(const std::string& path, const Cloud& cloud, const Pose3& T_a_b) {
   CloudWriter writer(path, find_cloud_format(path));
   for (CloudPoint point : cloud) {
-    const Point3 at =
-        T_a_b * Point3(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
+    const Point3 at = T_a_b * to_position(point);
     point.x_m = static_cast<float>(at.x());
     point.y_m = static_cast<float>(at.y());
     point.z_m = static_cast<float>(at.z());

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "engine/cloud/to_position.hpp"
 #include "engine/core/elementary.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/viewer/camera.hpp"
 
 namespace gdtslam {

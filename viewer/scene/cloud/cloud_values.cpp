@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "engine/cloud/neighbours.hpp"
-#include "engine/cloud/to_position.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 

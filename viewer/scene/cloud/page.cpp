@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/cloud/to_position.hpp"
 #include "engine/core/base64.hpp"
+#include "engine/core/to_position.hpp"
 #include "engine/drawing/letters.hpp"
 #include "engine/drawing/page/page_writer.hpp"
 #include "gdtslam/cloud/plane.hpp"

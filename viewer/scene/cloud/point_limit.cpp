@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/cloud/to_position.hpp"
+#include "engine/core/to_position.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
